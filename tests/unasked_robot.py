@@ -27,7 +27,7 @@ class UnaskedRobot:
     fed_nodes: frozenset[str] = frozenset()
     senders_remedy: str | None = None
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         raise NotImplementedError
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:

@@ -180,7 +180,7 @@ class SmallGraph(UnaskedRobot):
     def subscriber_count(self, topic: str) -> int:
         return len(self.operators.get(topic, ()))
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         return self.subscriber_count(topic)
 
     def topics(self) -> Mapping[str, Sequence[str]]:

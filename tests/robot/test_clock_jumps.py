@@ -57,7 +57,7 @@ class SetClock(SmallGraph):
         self.warnings.append(message)
 
     def poll_graph(self, poll: PollGraph) -> None:
-        self.acts.append(lambda: poll(GraphChange.TOLD))
+        self.acts.append(lambda: poll(GraphChange.REPORTED))
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         self.acts.append(act)
@@ -218,7 +218,7 @@ class JumpingClock(SetClock):
         return self.time_ns + self.passed_ns + self.set_ns
 
     def poll_graph(self, poll: PollGraph) -> None:
-        self.every(1, lambda: poll(GraphChange.TOLD))
+        self.every(1, lambda: poll(GraphChange.REPORTED))
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         for _ in range(self.chance.randint(1, 20)):

@@ -186,7 +186,7 @@ class ActingGraph(SmallGraph):
             self.leaves(topic, GIDS[topic])
         else:
             self.joins(topic, GIDS[topic])
-        self._poll(GraphChange.TOLD)
+        self._poll(GraphChange.REPORTED)
 
     def _reload(self) -> None:
         assert self.run is not None

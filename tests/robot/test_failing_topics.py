@@ -141,7 +141,7 @@ class Relaying:
             self.graph.joins(topic, gid, type_name=type_name, reliable=self.number % 2 == 0)
             self.graph.operators[f"/testudo{topic}"] = []
             self.graph.listens(f"/testudo{topic}", gid=gid)
-        for told in (GraphChange.TOLD, *[GraphChange.UNTOLD] * 5):
+        for told in (GraphChange.REPORTED, *[GraphChange.UNREPORTED] * 5):
             self.topics.poll(told)
             self.topics.listeners()
             self.send()
@@ -221,7 +221,7 @@ def test_an_output_whose_name_is_longer_than_ros_takes_costs_that_topic(
         graph.joins(topic, topic.encode())
         graph.listens(f"/testudo{topic}")
     for _ in range(5):
-        topics.poll(GraphChange.UNTOLD)
+        topics.poll(GraphChange.UNREPORTED)
     assert graph.subscribed() == {GOOD, long} - ({long} if not is_relayed else set())
     said = [line for line in graph.lines if "error" in line]
     if is_relayed:

@@ -140,8 +140,8 @@ def test_looks_at_a_quiet_graph_make_nothing_of_it_anew() -> None:
         followed.graph.joins(topic, b"first")
         followed.graph.listens(f"/testudo{topic}", gid=b"rviz")
     for _ in range(3):
-        followed.topics.poll(GraphChange.TOLD)
+        followed.topics.poll(GraphChange.REPORTED)
     before = followed.topics.changes
-    for graph in (GraphChange.NONE, GraphChange.UNTOLD, GraphChange.TOLD):
+    for graph in (GraphChange.NONE, GraphChange.UNREPORTED, GraphChange.REPORTED):
         followed.topics.poll(graph)
         assert followed.topics.changes == before

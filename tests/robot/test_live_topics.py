@@ -44,7 +44,7 @@ class Live:
     def looks(self, times: int = 5) -> None:
         """A second passes."""
         for _ in range(times):
-            self.topics.poll(GraphChange.UNTOLD)
+            self.topics.poll(GraphChange.UNREPORTED)
 
 
 def lines_with(graph: SmallGraph, text: str) -> list[str]:
@@ -360,8 +360,8 @@ def test_a_recorded_topic_that_is_relayed_or_read_from_now_on_stays_subscribed_t
     before = list(graph.subscriptions)
     assert [one.topic for one in before] == ["/imu", "/odom"]
     live.topics.follow({"/imu": "/testudo/imu"}, ("/odom",), {}, recorded=("/imu", "/odom"))
-    assert {change.topic for change in live.topics.poll(GraphChange.UNTOLD)} == {"/imu", "/odom"}
-    assert live.topics.poll(GraphChange.UNTOLD) == []
+    assert {change.topic for change in live.topics.poll(GraphChange.UNREPORTED)} == {"/imu", "/odom"}
+    assert live.topics.poll(GraphChange.UNREPORTED) == []
     graph.sends("/imu", DRIVER, b"measured")
     assert graph.published == [("/testudo/imu", b"measured")]
     live.topics.follow({}, ("/imu",), {}, recorded=("/imu", "/odom"))
@@ -394,6 +394,6 @@ def test_on_a_graph_that_has_changed_a_publisher_that_replaced_another_is_found_
     for topic in topics:
         graph.leaves(topic, DRIVER)
         graph.joins(topic, DRIVER, reliable=False)
-    live.topics.poll(GraphChange.TOLD)
+    live.topics.poll(GraphChange.REPORTED)
     sources = {publisher.topic: publisher.qos.reliable for publisher in graph.advertised}
     assert sources == {f"/testudo{topic}": False for topic in topics}

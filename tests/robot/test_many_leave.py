@@ -35,7 +35,7 @@ class CamerasGraph(SmallGraph):
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         self.time_ns += PERIOD_NS
-        self._poll(GraphChange.TOLD)
+        self._poll(GraphChange.REPORTED)
         for topic in TOPICS:
             if self.sources[topic]:
                 self.sends(topic, topic.encode(), PAYLOAD)

@@ -22,7 +22,7 @@ class PollingGraph(SmallGraph):
         self._poll = poll
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
-        self._poll(GraphChange.TOLD)
+        self._poll(GraphChange.REPORTED)
 
 
 class Listening(Part):

@@ -49,7 +49,7 @@ def test_a_quiet_graph_is_looked_at_once_a_second() -> None:
 
 def test_a_graph_that_nobody_tells_of_is_looked_at_five_times_a_second() -> None:
     looks = Looks(is_told=False)
-    assert looks.during(10.1) == [GraphChange.UNTOLD] * 51
+    assert looks.during(10.1) == [GraphChange.UNREPORTED] * 51
 
 
 def test_a_graph_is_looked_at_at_once() -> None:
@@ -61,14 +61,14 @@ def test_when_changes_are_told_no_more_it_is_looked_at_five_times_a_second_again
     looks.during(10.5)
     looks.is_told = False
     looks.looks.changed()
-    assert looks.during(10.1) == [GraphChange.TOLD] + [GraphChange.UNTOLD] * 50
+    assert looks.during(10.1) == [GraphChange.REPORTED] + [GraphChange.UNREPORTED] * 50
 
 
 def test_a_change_is_looked_at_without_delay() -> None:
     looks = Looks(is_told=True)
     looks.during(10.5)
     looks.looks.changed()
-    assert looks.during(0.0) == [GraphChange.TOLD]
+    assert looks.during(0.0) == [GraphChange.REPORTED]
 
 
 def test_changes_one_after_the_other_are_looked_at_five_times_a_second_at_most_and_the_last_one_too() -> None:
@@ -79,7 +79,7 @@ def test_changes_one_after_the_other_are_looked_at_five_times_a_second_at_most_a
         looks.looks.changed()
         seen += looks.during(0.01)
     seen += looks.during(0.3)
-    assert seen == [GraphChange.TOLD] * 6
+    assert seen == [GraphChange.REPORTED] * 6
 
 
 @pytest.fixture(params=[DataPathKind.RCL])
@@ -138,7 +138,7 @@ def test_publishers_and_subscribers_that_come_and_go_are_looked_at_and_nothing_e
         wait_until(robot, lambda: counts[-1] == (0, 1))
         subscription.close()
         wait_until(robot, lambda: counts[-1] == (0, 0))
-    told = [graph is GraphChange.TOLD for graph in looks]
+    told = [graph is GraphChange.REPORTED for graph in looks]
     assert all(told[1:]), "only the first look is not one at a change"
 
 
@@ -185,7 +185,7 @@ def test_through_rclpy_the_graph_is_looked_at_though_nobody_tells_of_changes(rob
     looks: list[GraphChange] = []
     robot.poll_graph(looks.append)
     wait_until(robot, lambda: len(looks) >= 3)
-    assert set(looks) == {GraphChange.UNTOLD}
+    assert set(looks) == {GraphChange.UNREPORTED}
 
 
 def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_looked_at(
@@ -203,7 +203,7 @@ def test_where_librcl_does_not_tell_of_changes_it_says_why_and_the_graph_is_look
         looks: list[GraphChange] = []
         robot.poll_graph(looks.append)
         wait_until(robot, lambda: len(looks) >= 3)
-        assert set(looks) == {GraphChange.UNTOLD}
+        assert set(looks) == {GraphChange.UNREPORTED}
 
 
 @pytest.mark.usefixtures("in_domain")

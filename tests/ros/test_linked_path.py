@@ -58,4 +58,4 @@ def test_an_operators_end_that_comes_or_goes_is_a_change_of_the_graph() -> None:
             while looks[-1][0] is not is_connected:
                 assert time.monotonic() < end_s
                 robot.wait(None, 0.1)
-            assert looks[-1] == (is_connected, GraphChange.TOLD)
+            assert looks[-1] == (is_connected, GraphChange.REPORTED)

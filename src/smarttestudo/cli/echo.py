@@ -27,7 +27,7 @@ from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import grouped
 from smarttestudo.language.properties import is_field_path
 from smarttestudo.report.table import MISSING, format_number
-from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, PlainValue, unheard_error
+from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, PlainValue, no_message_error
 from smarttestudo.robot.ros import open_robot
 
 _MOST_ON_ONE_LINE = 8
@@ -210,7 +210,7 @@ class _Listening:
         if self._timeout_s is not None and now_s >= self._start_s + self._timeout_s:
             for topic in self._topics:
                 if not topic.messages:
-                    raise unheard_error(self._robot, topic, self._timeout_s)
+                    raise no_message_error(self._robot, topic, self._timeout_s)
         self._robot.wait(None, max(min(_WAIT_S, self._end_s - now_s), 0.0))
         self.is_time_up = time.monotonic() >= self._end_s
         self.is_over = self.is_time_up or self._stopped()

@@ -184,7 +184,7 @@ class DataPath(Protocol):
         """Publish on ``topic``. Raises ``RosError``."""
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        """The message of a payload of ``topic``. Raises ``RosError``."""
 
 
 class DiagnosticLevel(IntEnum):
@@ -218,12 +218,12 @@ class RobotLog(Protocol):
 class GraphChange(Enum):
     """Knowledge of changes of the graph since the last poll."""
 
-    TOLD = auto()
+    REPORTED = auto()
     """There was one."""
-    UNTOLD = auto()
-    """Nothing: they are not told."""
+    UNREPORTED = auto()
+    """Nothing: they are not reported."""
     NONE = auto()
-    """None was told."""
+    """None was reported."""
 
 
 PollGraph = Callable[[GraphChange], None]
@@ -287,7 +287,7 @@ class Robot(Protocol):
     def subscriber_count(self, topic: str) -> int:
         """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         """How many on the graph subscribe to ``topic``, which the node publishes of itself: its status."""
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
@@ -351,7 +351,7 @@ class Robot(Protocol):
         """Have ``poll`` called now, and soon after publishers or subscribers came or went; to be asked once.
 
         That is five times a second at most. It is called once a second at least, changed or not, and as often
-        as it may be where nobody tells of changes.
+        as it may be where changes are not reported.
         """
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
@@ -371,7 +371,7 @@ def receiving_node(receiver: int) -> str:
 def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
     """The nodes that relay, this one among them: they publish decisions, or what this one sends.
 
-    ``warn`` is told where another one has the name of this one.
+    ``warn`` is called where another one has the name of this one.
     """
     relaying = [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
     if warn is not None and relaying.count(robot.name) > 1:

@@ -108,7 +108,7 @@ class Echo:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class _Heard:
+class _Received:
     number: int
     type_name: str
     payload: Payload
@@ -128,10 +128,10 @@ class EchoedTopic:
         self._fields = fields
         self._bounds = bounds
         self._keep = keep
-        self._kept: list[_Heard] = []
+        self._kept: list[_Received] = []
         self._source: LiveSource | None = None
         self._subscription: Subscription | None = None
-        self._last: _Heard | None = None
+        self._last: _Received | None = None
         self._flow = Flow()
         self._meter = FlowMeter(self._flow)
         self._is_metered = False
@@ -174,7 +174,7 @@ class EchoedTopic:
     def take_kept(self) -> list[Echo]:
         """The messages that were kept since the last call."""
         kept, self._kept = self._kept, []
-        return [self._echo(heard) for heard in kept]
+        return [self._echo(received) for received in kept]
 
     def _measure(self, now_ns: int) -> None:
         transient_local = self._source is not None and self._source.qos.transient_local
@@ -187,7 +187,7 @@ class EchoedTopic:
         def receive(payload: Payload, _publisher: Hashable) -> None:
             now_ns = self._robot.steady_ns()
             self._flow.record(now_ns, len(payload))
-            self._last = _Heard(number=self.messages, type_name=type_name, payload=payload)
+            self._last = _Received(number=self.messages, type_name=type_name, payload=payload)
             if not self._is_metered and self._flow.span_ns >= _WARM_UP_NS:
                 self._is_metered = True
                 self._meter.measure(now_ns)
@@ -197,29 +197,31 @@ class EchoedTopic:
         deep = replace(qos, depth=max(_DEPTH, qos.depth))
         return self._robot.data_path.subscribe(self.topic, type_name, deep, receive)
 
-    def _echo(self, heard: _Heard | None) -> Echo:
+    def _echo(self, received: _Received | None) -> Echo:
         values, state = None, self.state
-        if heard is not None:
+        if received is not None:
             try:
-                message = self._robot.data_path.decode(self.topic, heard.type_name, heard.payload)
-                values = message_values(message, heard.type_name, self._fields, self._bounds)
+                message = self._robot.data_path.decode(self.topic, received.type_name, received.payload)
+                values = message_values(message, received.type_name, self._fields, self._bounds)
                 if self._fields and all(value is None for value in values.values()):
-                    state = f"nothing at {', '.join(self._fields)}: {heard.type_name} has {in_words(message)}"
+                    state = (
+                        f"nothing at {', '.join(self._fields)}: {received.type_name} has {in_words(message)}"
+                    )
             except RosError as error:
                 state = error.cause
         return Echo(
             topic=self.topic,
-            type_name=None if heard is None else heard.type_name,
-            messages=self.messages if heard is None else heard.number,
+            type_name=None if received is None else received.type_name,
+            messages=self.messages if received is None else received.number,
             rate_hz=self._meter.rate_hz,
             kb_per_s=self._meter.kb_per_s,
-            size_bytes=None if heard is None else len(heard.payload),
+            size_bytes=None if received is None else len(received.payload),
             values=values,
             state=state,
         )
 
 
-def unheard_error(robot: Robot, topic: EchoedTopic, timeout_s: float) -> RosError:
+def no_message_error(robot: Robot, topic: EchoedTopic, timeout_s: float) -> RosError:
     """The error after ``timeout_s`` without a message."""
     if topic.error is not None:
         return topic.error

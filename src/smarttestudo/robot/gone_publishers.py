@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Publishers of a topic that were heard and are gone."""
+"""Publishers of a topic that are gone, though the graph never showed them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from collections.abc import Hashable, Sequence, Set
 from smarttestudo.domain.units import NS_PER_S
 
 FOUND_WITHIN_NS = 2 * NS_PER_S
-"""How long the graph may lack a publisher that was heard: its message may come before it is discovered."""
+"""How long the graph may lack a publisher: its message may be received before it is discovered."""
 
 
 class GonePublishers:
@@ -21,16 +21,16 @@ class GonePublishers:
         self._lacking: dict[Hashable, int] = {}
 
     def among(
-        self, heard: Sequence[Hashable], known: Set[Hashable], now_ns: int, *, is_somebody_there: bool
+        self, received: Sequence[Hashable], known: Set[Hashable], now_ns: int, *, is_somebody_there: bool
     ) -> list[Hashable]:
-        """Publishers among ``heard`` that the graph has lacked for long enough, at a steady time.
+        """Publishers of ``received`` messages that the graph has lacked for long enough, at a steady time.
 
-        It shows those that are ``known``. Where nobody is there any more, the last of ``heard`` stays: it has
-        the last word. So does ``None``, who stands for publishers that cannot be told apart.
+        It shows those that are ``known``. Where nobody is there any more, the last of ``received`` stays: it
+        has the last word. So does ``None``, who stands for publishers that cannot be told apart.
         """
-        lacking = (one for one in heard if one is not None and one not in known)
+        lacking = (one for one in received if one is not None and one not in known)
         self._lacking = {one: self._lacking.get(one, now_ns) for one in lacking}
-        staying = () if is_somebody_there else heard[-1:]
+        staying = () if is_somebody_there else received[-1:]
         return [
             one
             for one, since_ns in self._lacking.items()

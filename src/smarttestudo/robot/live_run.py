@@ -28,7 +28,7 @@ from smarttestudo.robot.part import Part
 from smarttestudo.robot.sampling import LiveSampling, SampledTopic
 from smarttestudo.robot.source import LiveSource
 from smarttestudo.robot.status import LiveStatus, doubt_lines
-from smarttestudo.robot.status_topics import StatusPublisher, StatusTelling, StatusTimer
+from smarttestudo.robot.status_topics import StatusPublisher, StatusReporter, StatusTimer
 from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
 
@@ -93,12 +93,12 @@ class LiveRun:
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
         publisher = StatusPublisher(robot, link)
-        self._telling = StatusTelling(robot, publisher, self._timer, self._measure, lambda: self._standing())  # noqa: PLW0108 - another one is set later
+        self._reporter = StatusReporter(robot, publisher, self._timer, self._measure, self._rules_in_force)
 
     def drive(self, stopped: Callable[[], bool]) -> None:
         """Until ``stopped``."""
         self._robot.poll_graph(self._poll)
-        self._robot.every(self._timer.period_s, self._telling.tell)
+        self._robot.every(self._timer.period_s, self._reporter.report)
         for part in self._parts:
             if part.poll_s is not None:
                 self._robot.every(part.poll_s, part.poll)
@@ -128,7 +128,7 @@ class LiveRun:
         given = RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile, prepared=prepared)
         self._handle(given)
         self._follow(rules)
-        self._poll(GraphChange.TOLD)
+        self._poll(GraphChange.REPORTED)
 
     def set_budget(self, budget_kb_per_s: float) -> None:
         """Set the budget of all relayed topics."""
@@ -142,6 +142,9 @@ class LiveRun:
     def ask_standing(self, standing: Callable[[], RulesInForce]) -> None:
         """Have ``standing`` called for the origin of the rules in force."""
         self._standing = standing
+
+    def _rules_in_force(self) -> RulesInForce:
+        return self._standing()
 
     def subscribed_here(self) -> Collection[str]:
         """The topics whose output has a subscriber on the robot's own graph."""
@@ -243,7 +246,7 @@ class LiveRun:
                 self._warn_once(str(error_at(topic.name, error)))
 
     def _choose_paths(self, now_ns: int, *, is_quiet: bool = False) -> None:
-        """Decide by the plan as it is now which topics need no Python, and which of the others rest.
+        """Decide by the plan as it is now which topics need no Python, and which of the others pause.
 
         Where it ``is_quiet``, neither graph nor plan have changed since the last time.
         """

@@ -27,7 +27,7 @@ TOO_SLOW = "either this machine or its network is too slow for them"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SourceLoss:
-    """Loss of one topic: so many ``messages`` since the first that came, a ``share`` of the last seconds.
+    """Loss of one topic: so many ``messages`` since the first received, a ``share`` of the last seconds.
 
     ``state`` is what a status says of it, ``None`` while that is as it should be.
     """
@@ -41,8 +41,8 @@ class SourceLoss:
 class _Counts:
     """Counts of one subscription, from the first look on that finds a message of it.
 
-    Until then this process was starting, or opened the topic: what came meanwhile is not missed. ``readings``
-    are time, sent and lost messages in the last seconds.
+    Until then this process was starting, or opened the topic: nobody misses what was sent meanwhile.
+    ``readings`` are time, sent and lost messages in the last seconds.
     """
 
     subscription: Subscription
@@ -133,7 +133,7 @@ class TopicLosses:
     def may_lack_room(self) -> bool:
         """Whether it is, or may yet be found, to lose for want of its sender's memory.
 
-        Then all its messages are to be received: of a topic that rests, nobody knows what is lost.
+        Then all its messages are to be received: of a topic that pauses, what is lost is unknown.
         """
         if self._counts is None or not self._short_of_room():
             return False

@@ -50,7 +50,7 @@ class Part:
     """
 
     topics: frozenset[str] = frozenset()
-    """The topics that are to be heard because of it, relayed or not; read after ``on_wake`` too."""
+    """The topics that are subscribed to because of it, relayed or not; read after ``on_wake`` too."""
 
     hears_topics_only: bool = False
     """Whether ``on_message`` needs to be called for ``topics`` only: others may be relayed without Python."""
@@ -62,7 +62,7 @@ class Part:
     """Whether topics are received while nobody subscribes to what is relayed of them."""
 
     def running(self) -> AbstractContextManager[object]:
-        """Be there during the block, within which the run drives."""
+        """A context within which the run drives."""
         return nullcontext()
 
     def begin(self, run: RunView) -> None:
@@ -82,14 +82,14 @@ class Part:
         now_ns: int,
         subscription: Subscription | None,
     ) -> None:
-        """A message came over ``subscription`` at ``now_ns``, before the loop is given it.
+        """A message was received by ``subscription`` at ``now_ns``, before the loop is given it.
 
-        If its topic is relayed without Python, this is told up to a fifth of a second later, but before
+        If its topic is relayed without Python, this is called up to a fifth of a second later, but before
         anything else that happened after it.
         """
 
     def on_trigger(self, trigger: Trigger) -> None:
-        """A block with recordings began to hold, because of the message or the time that came last."""
+        """A block with recordings began to hold, because of the last message or of the time."""
 
     def before_relays(self) -> None:
         """Messages are about to be published."""
@@ -98,7 +98,7 @@ class Part:
         """``relayed`` is about to be published; ``after_publish`` comes in any case."""
 
     def after_publish(self) -> None:
-        """It was published, or failed to be."""
+        """The message was published, or publishing it failed."""
 
     def on_graph(self) -> None:
         """The ROS graph was polled, which is done when it changes, and at times."""
@@ -115,13 +115,13 @@ class Part:
         """Time passed."""
 
     def on_clock_jump(self, ahead_ns: int) -> None:
-        """The clock jumped ahead by so much since anything was told: that time did not pass."""
+        """The clock jumped ahead by so much since the last call of any method: that time did not pass."""
 
     def on_decisions(self, decisions: Sequence[Decision]) -> None:
         """Decisions were taken. If it raises, it gets no more."""
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
-        """``status`` with what the part tells of itself."""
+        """``status`` with what the part adds."""
         return status
 
     def on_status(self, status: RuntimeStatus) -> None:

@@ -45,7 +45,7 @@ def profile_of_robot(
     """Measure for ``seconds`` a second after the first topic was seen.
 
     ``patterns`` choose topics (default: all visible ones), the accuracies in ``levels`` are measured in place
-    of proposed ones; ``report`` is told the share of the time passed.
+    of proposed ones; ``report`` is given the share of the time passed.
 
     Raises:
         RosError: no topic is seen within ``timeout_s``.

@@ -65,7 +65,7 @@ _CPU_OVER_NS = NS_PER_S * 9 // 10
 _ERROR_AFTER_NS = 5 * NS_PER_S
 # What a pacer's credit and the edges of a window may add or take.
 _MESSAGES_EXPLAINED = 3
-# Of a source of which nearly all is lost, its rate is no longer told by what comes.
+# Of a source of which nearly all is lost, its rate cannot be measured.
 _LEAST_SHARE = 0.01
 _SOON_NS = 2 * NS_PER_S
 _OVERDUE_NS = 10 * NS_PER_S

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The statuses of a runtime, told as often as requested: on the ROS graph and over a link."""
+"""The statuses of a runtime, published as often as requested: on the ROS graph and over a link."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ class StatusPublisher:
         """
         self._text = self._said(self._text, status, blocks)
         self._linked = self._said(self._linked, status, blocks)
-        if diagnostics_too and self._robot.told_count(DIAGNOSTICS_TOPIC):
+        if diagnostics_too and self._robot.local_subscriber_count(DIAGNOSTICS_TOPIC):
             self._diagnostics = self._said(self._diagnostics, status, blocks)
 
     def _opened(self, way: Callable[[Robot], _Announce]) -> _Announce | None:
@@ -112,11 +112,11 @@ def _as_diagnostics(robot: Robot) -> _Announce:
 _NO_BLOCKS = '"blocks": []'
 # Status publishing is capped at a fifth of a core: messages come first.
 _TIMES_ITS_COST = 5
-_MOST_BLOCKS_UNHEARD = 20
+_MOST_BLOCKS_UNWATCHED = 20
 """How many blocks the latched status holds while nobody listens: it costs the same whatever the rules."""
 # A period of one second is met by timers that are a little early.
 _DIAGNOSIS_AFTER_NS = NS_PER_S * 9 // 10
-_UNHEARD_AFTER_NS = 10 * NS_PER_S - NS_PER_S // 10
+_UNWATCHED_AFTER_NS = 10 * NS_PER_S - NS_PER_S // 10
 """How old the latched status becomes while nobody needs one: with many topics it costs what relaying does."""
 
 
@@ -132,7 +132,7 @@ class StatusTimer:
         self.asked_hz = STATUS_HZ
         self._robot = robot
         self._needs_all = needs_all
-        self._told: tuple[int, RulesInForce] | None = None
+        self._published: tuple[int, RulesInForce] | None = None
         self._diagnosed_ns: int | None = None
 
     @property
@@ -148,21 +148,21 @@ class StatusTimer:
     @property
     def most_blocks(self) -> int:
         """How many blocks the status of now holds at most."""
-        return MOST_BLOCKS if self._is_watched else _MOST_BLOCKS_UNHEARD
+        return MOST_BLOCKS if self._is_watched else _MOST_BLOCKS_UNWATCHED
 
     @property
     def _is_watched(self) -> bool:
         return (self._link is not None and self._link.is_watched) or bool(
-            self._robot.told_count(STATUS_TOPIC)
+            self._robot.local_subscriber_count(STATUS_TOPIC)
         )
 
     def is_due(self, steady_ns: int, rules: RulesInForce) -> bool:
-        """Whether to tell a status now, with those ``rules``; where it is, it counts as told."""
-        if not (self._needs_all or self._is_watched or self._robot.told_count(DIAGNOSTICS_TOPIC)):
-            told_ns, told_rules = self._told or (-_UNHEARD_AFTER_NS, rules)
-            if steady_ns < told_ns + _UNHEARD_AFTER_NS and rules == told_rules:
+        """Whether to publish a status now, with those ``rules``; where it is, it counts as published."""
+        if not (self._needs_all or self._is_watched or self._robot.local_subscriber_count(DIAGNOSTICS_TOPIC)):
+            published_ns, published_rules = self._published or (-_UNWATCHED_AFTER_NS, rules)
+            if steady_ns < published_ns + _UNWATCHED_AFTER_NS and rules == published_rules:
                 return False
-        self._told = steady_ns, rules
+        self._published = steady_ns, rules
         return True
 
     def is_diagnosis_due(self, steady_ns: int) -> bool:
@@ -192,11 +192,11 @@ BLOCKS_PER_SLICE = 20
 _PAUSE_S = 0.000_5
 
 
-class StatusTelling:
-    """Tells one status after the other, each in slices between which messages are relayed.
+class StatusReporter:
+    """Publishes one status after the other, each in slices between which messages are relayed.
 
-    ``measure`` gives the status of now without its blocks, and the states of those, of which it is told how
-    many at most; ``rules`` gives those in force.
+    ``measure`` gives the status of now without its blocks, and the states of those, of which it is given
+    how many at most; ``rules`` gives those in force.
     """
 
     def __init__(
@@ -212,19 +212,19 @@ class StatusTelling:
         self._timer = timer
         self._measure = measure
         self._rules = rules
-        self._rest: Iterator[None] | None = None
+        self._open: Iterator[None] | None = None
         self._began_ns = 0
         self._cost_ns = 0
         self._has_failed = False
 
-    def tell(self) -> float:
+    def report(self) -> float:
         """Begin a status, or go on with it; returns in how many seconds to do so again."""
         start_ns = time.process_time_ns()
-        if self._rest is None:
+        if self._open is None:
             self._began_ns, self._cost_ns = self._robot.steady_ns(), 0
-            self._rest = self._slices()
+            self._open = self._slices()
         try:
-            is_done = next(self._rest, self) is self
+            is_done = next(self._open, self) is self
         except Exception as error:  # noqa: BLE001 - whatever publishing fails of, relaying goes on
             is_done = True
             if not self._has_failed:
@@ -233,7 +233,7 @@ class StatusTelling:
         self._cost_ns += time.process_time_ns() - start_ns
         if not is_done:
             return _PAUSE_S
-        self._rest = None
+        self._open = None
         took_s = (self._robot.steady_ns() - self._began_ns) / NS_PER_S
         return max(self._timer.next_s(self._cost_ns) - took_s, _PAUSE_S)
 

@@ -57,16 +57,16 @@ class PublisherPool:
     def forget_undiscovered(
         self, known: Set[Hashable], found: Callable[[], Set[Hashable]], now_ns: int
     ) -> None:
-        """Forget those that were heard, and were gone before the graph was polled.
+        """Forget those of which something was received, and which were gone before the graph was polled.
 
         ``known`` are forgotten when they go. ``found``, which costs more, are those that are there now; where
-        there are none, the one that came last stays.
+        there are none, the last one stays.
         """
         if not self._one_each or self._of.keys() <= known:
             return
         there = found()
-        heard = tuple(self._of)
-        self.forget(self._gone.among(heard, known | there, now_ns, is_somebody_there=bool(there)))
+        opened = tuple(self._of)
+        self.forget(self._gone.among(opened, known | there, now_ns, is_somebody_there=bool(there)))
 
     def forget(self, publishers: Iterable[Hashable]) -> None:
         """These are gone, and what they latched goes with them."""

@@ -19,16 +19,16 @@ from smarttestudo.robot.topic import OnMessage, Topic
 
 POLLS_PER_ROUND = 5
 QUIET_POLLS_PER_ROUND = 20
-"""The same where no change was told: the middleware compares a topic with all that are there."""
+"""The same where no change was reported: the middleware compares a topic with all that are there."""
 
 
 class EndpointCache:
     """A cache of the endpoints of topics, of which ``count`` gives the number, and ``find`` all.
 
-    ``find`` costs several times as much. Where changes of the graph are told, it is called for all topics
+    ``find`` costs several times as much. Where changes of the graph are reported, it is called for all topics
     after one. Where they are not, each poll counts, and finds anew where the number changed and for a fifth
-    of the others in turn, so that one that was replaced by another is noticed too. Where none was told, a
-    look does that for a twentieth of the topics: what was not told all the same is found then.
+    of the others in turn, so that one that was replaced by another is found too. Where none was reported, a
+    look does that for a twentieth of the topics: what was not reported all the same is found then.
     """
 
     def __init__(self, count: Callable[[str], int], find: Callable[[str], Sequence[Endpoint]]) -> None:
@@ -40,7 +40,7 @@ class EndpointCache:
     def poll(self, topics: Iterable[str], graph: GraphChange) -> list[str]:
         """Topics among ``topics`` whose endpoints are not what they were at the last poll."""
         counted = QUIET_POLLS_PER_ROUND if graph is GraphChange.NONE else 1
-        found = 1 if graph is GraphChange.TOLD else counted * POLLS_PER_ROUND
+        found = 1 if graph is GraphChange.REPORTED else counted * POLLS_PER_ROUND
         polls = self._polls
         self._polls += 1
         return [
@@ -144,7 +144,7 @@ class LiveTopics:
             topic.listeners = None
         topic.is_watched = is_watched
         if topic.is_given and not was_given:
-            # Only what records it was told of its source, perhaps.
+            # Only what records it knows its source, perhaps.
             topic.is_reported = False
         topic.is_recorded = is_recorded
 
@@ -157,14 +157,14 @@ class LiveTopics:
         if testudos != self._testudos:
             moved, self._testudos = list(self._topics), testudos
         changes = [self._look_at(self._topics[name]) for name in dict.fromkeys([*moved, *unseen])]
-        told = [change for change in changes if change is not None]
-        if moved or told:
+        changed = [change for change in changes if change is not None]
+        if moved or changed:
             self.changes += 1
         now_ns = self._robot.steady_ns()
         for topic in self._topics.values():
             if topic.is_latched:
                 topic.forget_undiscovered(partial(self._robot.publishers, topic.name), now_ns)
-        return told
+        return changed
 
     def listeners(self) -> list[ListenersChanged]:
         """Which relayed topics have, as of the last poll, gained a subscriber or lost their last one."""
@@ -182,7 +182,7 @@ class LiveTopics:
         return frozenset(topic.name for topic in relayed if any(one.gid for one in topic.subscribers))
 
     def decoded(self, topic: Topic, payload: Payload) -> object:
-        """The message of a payload that just came, or ``Undecodable``."""
+        """The message of a payload, or ``Undecodable``."""
         assert topic.source is not None
         try:
             return self._data_path.decode(topic.name, topic.source.type_name, payload)
@@ -206,14 +206,14 @@ class LiveTopics:
             if self._want(topic, is_wanted=name in wanted):
                 self.changes += 1
 
-    def _wanted(self, heard: Iterable[str]) -> Collection[str]:
+    def _wanted(self, listened: Iterable[str]) -> Collection[str]:
         topics = self._topics
         if not self._is_lazy:
             return topics
-        listened = set(heard)
-        leaders = {self._leaders.get(name, name) for name in listened}
+        received = set(listened)
+        leaders = {self._leaders.get(name, name) for name in received}
         read = {name for name, topic in topics.items() if topic.is_watched or topic.is_recorded}
-        return read | self._latched() | listened | leaders
+        return read | self._latched() | received | leaders
 
     def _latched(self) -> frozenset[str]:
         """Latched topics, which every incident holds, if there can be any."""

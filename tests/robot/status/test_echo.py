@@ -16,7 +16,7 @@ import pytest
 from robot.status.virtual_robot import Source, VirtualRobot
 from smarttestudo.cli.echo import cropped, echo_block, echo_json, echo_line, live_lines, message_block
 from smarttestudo.cli.main import main
-from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, message_values, unheard_error
+from smarttestudo.robot.echo import Bounds, Echo, EchoedTopic, message_values, no_message_error
 
 ODOMETRY = "nav_msgs/msg/Odometry"
 WAITS_PER_S = 50
@@ -142,7 +142,7 @@ def test_a_type_that_is_not_installed_is_an_error_of_its_topic() -> None:
     topic = echoed(robot, "/arm")
     topic.poll()
     assert topic.state == "the message type arm/msg/State is not installed"
-    assert unheard_error(robot, topic, 5) is topic.error
+    assert no_message_error(robot, topic, 5) is topic.error
 
 
 @pytest.mark.parametrize(
@@ -161,11 +161,11 @@ def test_a_type_that_is_not_installed_is_an_error_of_its_topic() -> None:
 def test_who_waited_in_vain_is_told_what_else_there_is(topic: str, said: str) -> None:
     names = ("/odom", "/testudo/front/scan", "/battery", "/tf", "/rosout", "/_hidden/odm")
     robot = VirtualRobot(sources={name: Source() for name in names})
-    assert str(unheard_error(robot, echoed(robot, topic), 5)) == said
+    assert str(no_message_error(robot, echoed(robot, topic), 5)) == said
 
 
 def test_on_an_empty_graph_that_is_said() -> None:
-    error = unheard_error(VirtualRobot(), echoed(VirtualRobot(), "/odom"), 5)
+    error = no_message_error(VirtualRobot(), echoed(VirtualRobot(), "/odom"), 5)
     assert "no other topic is published either" in str(error)
 
 

@@ -17,7 +17,7 @@ from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.status import MOST_BLOCKS, RuntimeStatus, status_from_text
 from smarttestudo.loop.block_states import BlockStates
-from smarttestudo.robot.status_topics import BLOCKS_PER_SLICE, StatusPublisher, StatusTelling, StatusTimer
+from smarttestudo.robot.status_topics import BLOCKS_PER_SLICE, StatusPublisher, StatusReporter, StatusTimer
 
 BARE = replace(STATUS, blocks=())
 
@@ -38,7 +38,7 @@ class Telling:
         self.is_broken = False
         timer = StatusTimer(self.robot, self.link)
         publisher = StatusPublisher(self.robot, self.link)
-        self.telling = StatusTelling(self.robot, publisher, timer, self.measure, lambda: BARE.rules)
+        self.reporter = StatusReporter(self.robot, publisher, timer, self.measure, lambda: BARE.rules)
 
     def measure(self, most: int) -> tuple[RuntimeStatus, BlockStates]:
         if self.is_broken:
@@ -49,7 +49,7 @@ class Telling:
         """The next status that comes to be told, whatever time that takes."""
         before = len(self.robot.texts)
         while len(self.robot.texts) == before:
-            self.telling.tell()
+            self.reporter.report()
         ((topic, text),) = self.robot.texts[before:]
         assert topic == STATUS_TOPIC
         assert self.link.told[-1] == json.loads(text)
@@ -82,11 +82,11 @@ def test_while_nobody_listens_the_latched_status_costs_the_same_whatever_the_rul
 def test_messages_are_relayed_between_two_slices_and_the_status_is_of_the_moment_of_its_first() -> None:
     run = Telling(200)
     run.driver.drive(SECOND, 7.5, 0.0)
-    waits_s = [run.telling.tell()]
+    waits_s = [run.reporter.report()]
     run.driver.drive(SECOND, 150.5, 0.0)
     run.driver.reload(zones(3))
     while not run.robot.texts:
-        waits_s.append(run.telling.tell())
+        waits_s.append(run.reporter.report())
     assert len(waits_s) == 200 // BLOCKS_PER_SLICE + 1
     assert max(waits_s[:-1]) < 0.001
     assert waits_s[-1] == pytest.approx(1, abs=0.01)
@@ -110,8 +110,8 @@ def test_long_conditions_do_not_make_a_status_large() -> None:
 def test_a_failure_is_said_once_and_the_next_status_is_made_all_the_same() -> None:
     run = Telling(30)
     run.is_broken = True
-    run.telling.tell()
-    run.telling.tell()
+    run.reporter.report()
+    run.reporter.report()
     assert run.robot.log_lines == ["error: unexpected ZeroDivisionError: odd; some statuses are missing"]
     run.is_broken = False
     assert len(run.told().blocks) == 30

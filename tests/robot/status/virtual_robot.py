@@ -109,7 +109,7 @@ class VirtualRobot(UnaskedRobot):
     def subscriber_count(self, topic: str) -> int:
         return self.listeners
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         return self.subscriber_count(topic)
 
     def begins_with_header(self, type_name: str) -> bool:

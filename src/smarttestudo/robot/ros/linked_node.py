@@ -99,7 +99,7 @@ class LinkedNode(RosNode):
         local = super().subscriber_count(topic) if self._is_local else 0
         return local + self._link.state.is_connected
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         """How many subscribe to ``topic`` on the graph: what goes over the link has its own watchers."""
         return super().subscriber_count(topic)
 
@@ -110,7 +110,7 @@ class LinkedNode(RosNode):
         def poll_both(graph: GraphChange) -> None:
             nonlocal was_connected
             before, was_connected = was_connected, self._link.state.is_connected
-            poll(graph if was_connected is before else GraphChange.TOLD)
+            poll(graph if was_connected is before else GraphChange.REPORTED)
 
         super().poll_graph(poll_both)
 
@@ -150,12 +150,12 @@ class LinkedPath:
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` is told the publisher of each message."""
+        """Whether ``receive`` gets the publisher of each message."""
         return self._path.tells_publishers
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can rest."""
+        """Whether subscriptions can pause."""
         return self._path.can_pause
 
     @property
@@ -185,7 +185,7 @@ class LinkedPath:
         return both
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        """The message of a payload of ``topic``. Raises ``RosError``."""
         return self._path.decode(topic, type_name, payload)
 
 

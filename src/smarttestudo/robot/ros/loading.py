@@ -34,10 +34,10 @@ def _signals_waiting() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    came: list[int] = []
+    caught: list[int] = []
 
     def wait(number: int, _frame: FrameType | None) -> None:
-        came.append(number)
+        caught.append(number)
 
     handlers = {number: signal.getsignal(number) for number in _SIGNALS}
     raising = {number: handler for number, handler in handlers.items() if callable(handler)}
@@ -48,5 +48,5 @@ def _signals_waiting() -> Iterator[None]:
     finally:
         for number, handler in raising.items():
             signal.signal(number, handler)
-        for one in dict.fromkeys(came):
+        for one in dict.fromkeys(caught):
             signal.raise_signal(one)

@@ -186,7 +186,7 @@ class RosNode:
             count: int = handle.get_count_subscribers(topic)
         return count
 
-    def told_count(self, topic: str) -> int:
+    def local_subscriber_count(self, topic: str) -> int:
         """How many subscribe to ``topic`` on the graph that the node publishes on."""
         return self.subscriber_count(topic)
 

@@ -148,11 +148,11 @@ class _Client:
 
 @dataclass(slots=True, eq=False)
 class _Call:
-    """A request that was sent once ``future`` is there; ``told`` takes the response or the error."""
+    """A request that was sent once ``future`` is there; ``answered`` takes the response or the error."""
 
     client: _Client
     request: Any
-    told: Callable[[Any], None]
+    answered: Callable[[Any], None]
     node: str
     until_s: float
     future: Any = None
@@ -174,7 +174,7 @@ class NodeParameterClients:
         """The values of parameters of ``node``; one that it does not have is ``None``."""
         request = GetParameters.Request(names=list(names))
 
-        def told(response: Any) -> None:
+        def answered(response: Any) -> None:
             if isinstance(response, RosError):
                 got(response)
                 return
@@ -183,20 +183,22 @@ class NodeParameterClients:
             padded = values + [None] * (len(names) - len(values))
             got({name: plain_value(value) for name, value in zip(names, padded, strict=False)})
 
-        self._call(GetParameters, "get_parameters", node, request, told)
+        self._call(GetParameters, "get_parameters", node, request, answered)
 
     def set(self, node: str, values: Values, was_set: WasSet) -> None:
         """Have ``node`` give its parameters these values, each by itself."""
         parameters = [_parameter(name, value).to_parameter_msg() for name, value in values.items()]
 
-        def told(response: Any) -> None:
+        def answered(response: Any) -> None:
             if isinstance(response, RosError):
                 was_set(response)
                 return
             results = zip(values, response.results, strict=False)
             was_set({name: one.reason for name, one in results if not one.successful})
 
-        self._call(SetParameters, "set_parameters", node, SetParameters.Request(parameters=parameters), told)
+        self._call(
+            SetParameters, "set_parameters", node, SetParameters.Request(parameters=parameters), answered
+        )
 
     def poll(self) -> None:
         """Send what can be sent, and give up on what took too long."""
@@ -212,17 +214,19 @@ class NodeParameterClients:
                 del self._clients[key]
                 self._node.destroy_client(client.handle)
 
-    def _call(self, kind: Any, service: str, node: str, request: Any, told: Callable[[Any], None]) -> None:
+    def _call(
+        self, kind: Any, service: str, node: str, request: Any, answered: Callable[[Any], None]
+    ) -> None:
         now_s = self._steady_s()
         client = self._clients.get((node, kind))
         try:
             if client is None:
                 client = self._clients[node, kind] = self._new_client(kind, f"{node}/{service}", now_s)
         except RosError as error:
-            told(error)
+            answered(error)
             return
         client.used_s = now_s
-        self._calls.append(_Call(client, request, told, node, now_s + ANSWER_WITHIN_S))
+        self._calls.append(_Call(client, request, answered, node, now_s + ANSWER_WITHIN_S))
         self.poll()
 
     def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
@@ -241,13 +245,13 @@ class NodeParameterClients:
             return
         self._calls.remove(call)
         error = future.exception()
-        call.told(future.result() if error is None else RosError(str(error), place=call.node))
+        call.answered(future.result() if error is None else RosError(str(error), place=call.node))
 
     def _give_up(self, call: _Call) -> None:
         self._calls.remove(call)
         if call.future is not None:
             call.client.handle.remove_pending_request(call.future)
-        call.told(
+        call.answered(
             SilentNodeError(
                 f"the node did not answer within {ANSWER_WITHIN_S:g} s",
                 place=call.node,

@@ -78,7 +78,7 @@ class RclpyPath:
         return RclpyPublisher(self._operators, topic, type_name, qos)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        """The message of a payload of ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
 
     def wait(self, timeout_s: float) -> None:
@@ -184,10 +184,10 @@ def come_serialized(
         return False
     kind = message_type(type_name, _TEST_TOPIC)
     sent = kind(data=[1, 2, 3])
-    came: list[bytes] = []
+    received: list[bytes] = []
 
     def receive(payload: Payload, _publisher: Hashable) -> None:
-        came.append(payload[:])
+        received.append(payload[:])
 
     try:
         with ExitStack() as opened, ros_errors(_TEST_TOPIC):
@@ -198,9 +198,9 @@ def come_serialized(
             publisher = node.create_publisher(kind, _TEST_TOPIC, qos_profile(_TEST_QOS))
             opened.callback(node.destroy_publisher, publisher)
             end_s = time.monotonic() + timeout_s
-            while not came and time.monotonic() < end_s:
+            while not received and time.monotonic() < end_s:
                 publisher.publish(sent)
                 spin_once(_TEST_ROUND_S)
-            return bool(came) and deserialize_message(came[0], kind) == sent
+            return bool(received) and deserialize_message(received[0], kind) == sent
     except RosError:
         return False

@@ -69,19 +69,19 @@ class RealTimers:
 class GraphPolls:
     """Has ``poll`` called by ``timers``: at once, soon after ``changed``, and now and then in any case.
 
-    ``is_told`` is whether ``changed`` is called. Times are those of the steady clock ``steady_s``.
+    ``is_reported`` is whether ``changed`` is called. Times are those of the steady clock ``steady_s``.
     """
 
     def __init__(
         self,
         timers: RealTimers,
         poll: PollGraph,
-        is_told: Callable[[], bool],
+        is_reported: Callable[[], bool],
         steady_s: Callable[[], float],
     ) -> None:
         self._timers = timers
         self._poll = poll
-        self._is_told = is_told
+        self._is_reported = is_reported
         self._steady_s = steady_s
         self._has_changed = False
         self._polled_s = steady_s()
@@ -96,6 +96,7 @@ class GraphPolls:
     def _act(self) -> float:
         self._polled_s = self._steady_s()
         has_changed, self._has_changed = self._has_changed, False
-        is_told = self._is_told()
-        self._poll(GraphChange.TOLD if has_changed else GraphChange.NONE if is_told else GraphChange.UNTOLD)
-        return NET_PERIOD_S if is_told else LEAST_PERIOD_S
+        is_reported = self._is_reported()
+        unchanged = GraphChange.NONE if is_reported else GraphChange.UNREPORTED
+        self._poll(GraphChange.REPORTED if has_changed else unchanged)
+        return NET_PERIOD_S if is_reported else LEAST_PERIOD_S

@@ -254,13 +254,13 @@ class RclBuffers:
         return len(self._free)
 
     def next(self) -> RclBuffer:
-        """The buffer for the next message; ``lend`` it if one came."""
+        """The buffer for the next message; ``lend`` it if there is one."""
         if not self._free:
             self._free.append(RclBuffer(self._library.new_message()))
         return self._free[-1]
 
     def lend(self) -> RclPayload:
-        """The message that came in ``next``."""
+        """The message that was taken into ``next``."""
         self.lent += 1
         return RclPayload(self._free.pop(), self)
 

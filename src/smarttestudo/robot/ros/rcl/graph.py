@@ -185,12 +185,12 @@ class GraphEvents:
 
 def _require_event(node: Any, event_fd: int) -> None:
     """Change the graph and wait for the report. Raises ``RosError`` if none comes."""
-    told = select.poll()
-    told.register(event_fd, select.POLLIN)
+    reported = select.poll()
+    reported.register(event_fd, select.POLLIN)
     with ExitStack() as undone, ros_errors(TEST_TOPIC):
         publisher = node.create_publisher(message_type(_TEST_TYPE, TEST_TOPIC), TEST_TOPIC, 1)
         undone.callback(partial(node.destroy_publisher, publisher))
-        if not told.poll(TEST_TIMEOUT_S * 1000):
+        if not reported.poll(TEST_TIMEOUT_S * 1000):
             raise RosError("changes of the graph are not reported")
     os.eventfd_read(event_fd)
 

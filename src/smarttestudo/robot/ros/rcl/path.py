@@ -190,7 +190,7 @@ class RclPath:
         return RclPublisher(self._operators, self._library, topic, type_name, qos, events=events)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload that came on ``topic``. Raises ``RosError``."""
+        """The message of a payload of ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
 
     def wait(self, timeout_s: float) -> None:

@@ -44,8 +44,8 @@ def tested_layout(node: Any, library: RclLibrary) -> InfoLayout:
         sent = serialize_message(message_type(TYPE_NAME, TOPIC)(sec=1, nanosec=2))
         publisher.publish(sent)
         info = MessageInfo(InfoLayout(gid_bytes=0, is_numbered=False))
-        came = _Receiver(subscription, buffers, info).first(TIMEOUT_S)
-        if came != sent:
+        received = _Receiver(subscription, buffers, info).first(TIMEOUT_S)
+        if received != sent:
             raise RosError("a message sent through librcl came back changed")
         return InfoLayout.found_in(info.raw, _own_gid(node))
     finally:
@@ -135,7 +135,7 @@ class _Receiver:
         self._subscription = subscription
         self._buffers = buffers
         self._info = info
-        self._came: bytes | None = None
+        self._received: bytes | None = None
 
     def first(self, timeout_s: float) -> bytes:
         """The first message that wakes; ``RosError`` after ``timeout_s``, or if it cannot be taken."""
@@ -144,17 +144,17 @@ class _Receiver:
         self._subscription.wake(wanted=True)
         end_s = time.monotonic() + timeout_s
         try:
-            while self._came is None and time.monotonic() < end_s:
+            while self._received is None and time.monotonic() < end_s:
                 wake_ups.wait(end_s - time.monotonic())
         finally:
             wake_ups.close()
-        if self._came is None:
+        if self._received is None:
             raise RosError(f"librcl announced no message to its publisher's own process in {timeout_s:g} s")
-        return self._came
+        return self._received
 
     def serve(self, most: int) -> bool:  # noqa: ARG002 - there is but one
         payload = self._subscription.take(self._buffers, self._info)
-        self._came = None if payload is None else payload[:]
+        self._received = None if payload is None else payload[:]
         return False
 
 

@@ -52,7 +52,7 @@ class UnusedCallbackGroup(CallbackGroup):  # type: ignore[misc]
 class RclSubscription:
     """Takes messages, and counts new ones up on ``event_fd`` while it is to wake; ``pointer`` is librcl's.
 
-    ``has_received`` is whether any message came. All calls raise ``RosError``.
+    ``has_received`` is whether there was any message. All calls raise ``RosError``.
     """
 
     def __init__(self, node: Any, library: RclLibrary, topic: str, type_name: str, qos: Qos) -> None:
@@ -120,9 +120,9 @@ def _never_called(message: object) -> None:
 
 
 class MessageNumbers:
-    """Numbers of one topic's messages, and what follows: how many were sent, lost, or came twice.
+    """Numbers of one topic's messages, and what follows: how many were sent, lost, or received twice.
 
-    ``sent`` counts from each publisher's first message that came. What is skipped in a pause is not lost.
+    ``sent`` counts from the first message received of each publisher. What is skipped in a pause is not lost.
     """
 
     __slots__ = ("_gap_is_wanted", "_is_paused", "_last", "lost", "sent")
@@ -157,7 +157,7 @@ class MessageNumbers:
         self._last = dict(last)
 
     def is_new(self, publisher: bytes, number: int) -> bool:
-        """Count message ``number`` of ``publisher``, unless it or a later one came before."""
+        """Count message ``number`` of ``publisher``, unless it or a later one was received before."""
         last = self._last.get(publisher)
         if last is None:
             if len(self._last) >= MAX_PUBLISHERS:
@@ -244,7 +244,7 @@ class RclSource:
 
     @property
     def sent(self) -> int | None:
-        """Messages that the source has sent since the first that came; ``None`` if they are not numbered."""
+        """Messages that the source has sent since the first received; ``None`` if they are not numbered."""
         numbers = self._taker.numbers
         return None if numbers is None else numbers.sent
 
