@@ -19,13 +19,17 @@ class ClockJumps:
     Simulated time goes as fast as it likes, so it never jumps.
     """
 
-    __slots__ = ("_ahead_ns", "_robot")
+    __slots__ = ("_ahead_ns", "_clock_ns", "_robot", "_until_ns")
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        now = self._read_precisely()
-        self._ahead_ns = now.clock_ns - now.steady_ns
+        self._ahead_ns = 0
         """How far the clock was ahead of the steady one when it was followed last."""
+        self._follow(self._read_precisely())
+
+    def agrees(self, now_ns: int) -> bool:
+        """Whether the clock shows so little more than when it was followed last that it did not jump far."""
+        return self._clock_ns <= now_ns <= self._until_ns
 
     def read(self) -> Instant:
         """Now, on both clocks."""
@@ -37,8 +41,7 @@ class ClockJumps:
 
     def follow(self, at: Instant) -> int:
         """How far the clock has jumped by then since the last call, back if negative; 0 if not far."""
-        ahead_ns = at.clock_ns - at.steady_ns
-        jumped_ns, self._ahead_ns = ahead_ns - self._ahead_ns, ahead_ns
+        jumped_ns = self._follow(at)
         if abs(jumped_ns) <= LEAST_NS or self._robot.is_time_simulated:
             return 0
         log, by_s = self._robot.log, abs(jumped_ns) / NS_PER_S
@@ -47,6 +50,11 @@ class ClockJumps:
         else:
             log.warning(f"the clock was set back by {by_s:.1f} s: rules and rates go on from there")
         return jumped_ns
+
+    def _follow(self, at: Instant) -> int:
+        before_ns, self._ahead_ns = self._ahead_ns, at.clock_ns - at.steady_ns
+        self._clock_ns, self._until_ns = at.clock_ns, at.clock_ns + LEAST_NS
+        return self._ahead_ns - before_ns
 
     def _read_precisely(self) -> Instant:
         """Now, where what delays this process between the two clocks counts as no jump."""

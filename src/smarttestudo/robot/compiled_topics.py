@@ -46,6 +46,8 @@ class CompiledTopics:
         self._passed = passed
         self._copy_passed = copy_passed
         self._running: list[Topic] = []
+        self.makes_copies = False
+        """Whether there may be copies to deliver."""
 
     @property
     def can_relay(self) -> bool:
@@ -82,7 +84,7 @@ class CompiledTopics:
 
     def deliver(self, steady_ns: int) -> None:
         """Have the topics receive the copies that were made by ``steady_ns``."""
-        if self._relays is not None and self._running:
+        if self._relays is not None and self.makes_copies:
             self._relays.deliver(steady_ns)
 
     def count(self, note: Callable[[Relayed], None]) -> None:
@@ -150,6 +152,11 @@ class CompiledTopics:
         if relay is not None:
             topic.compiled, topic.use = relay, use
             self._running.append(topic)
+            self._note_copies()
+
+    def _note_copies(self) -> None:
+        has_all = any(topic.use is not None and topic.use.copies_all for topic in self._running)
+        self.makes_copies = bool(self._running) and (has_all or self._copy_passed is not None)
 
     def _suits(self, topic: Topic, use: RelayUse) -> bool:
         relay = self._loop.relays.relay(topic.name)
@@ -168,6 +175,7 @@ class CompiledTopics:
         if topic.compiled is not None:
             topic.compiled, topic.use = None, None
             self._running.remove(topic)
+            self._note_copies()
         if topic.unrelayed is not None:
             count_flow(topic.unrelayed, state.counts.arrived)
         else:

@@ -266,13 +266,16 @@ class LiveRun:
 
     def _choose_pause(self, topic: Topic, now_ns: int) -> None:
         sampled, subscription = topic.sampled, topic.subscription
-        may_pause = topic.may_pause and not topic.is_left
-        if may_pause and isinstance(subscription, PausableSubscription):
+        if topic.may_pause and not topic.is_left:
             if sampled is None or sampled.subscription is not subscription:
                 if sampled is not None:
                     self._sampling.end(sampled, now_ns)
-                topic.sampled = sampled = SampledTopic(topic.name, subscription, now_ns)
-            self._sampling.choose(sampled, now_ns, needs_all=topic.losses.may_lack_room)
+                sampled = None
+                if isinstance(subscription, PausableSubscription):
+                    sampled = SampledTopic(topic.name, subscription, now_ns)
+                topic.sampled = sampled
+            if sampled is not None:
+                self._sampling.choose(sampled, now_ns, needs_all=topic.losses.may_lack_room)
         elif sampled is not None:
             self._sampling.end(sampled, now_ns)
             if not sampled.has_resumed or sampled.subscription is not subscription:
@@ -288,6 +291,9 @@ class LiveRun:
 
     def _now_ns(self) -> int:
         """The clock, once all was followed that came by now: copies of messages, and jumps of the clock."""
+        now_ns = self._robot.now_ns()
+        if self._clock.agrees(now_ns) and not (self._compiled.makes_copies or self._jumps):
+            return now_ns
         now = self._clock.read()
         self._compiled.deliver(now.steady_ns)
         now_ns = self._follow_clock(now)
