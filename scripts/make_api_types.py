@@ -19,9 +19,9 @@ import msgspec
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.record import JsonEntry, Mark, derived_entry, json_name, marks
 from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
-from smarttestudo.ruler.answers.robot_link import RobotLink
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.incidents.robot_incidents import RobotIncidents
+from smarttestudo.ruler.robots.link import RobotLink
 from smarttestudo.ruler.server import socket
 from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
 from smarttestudo.ruler.server.child_work import TryApi
@@ -241,7 +241,7 @@ def _alias(kind: Any) -> str | None:
     return min(names) if names else None
 
 
-_PLACES = ("smarttestudo.ruler.answers.", "smarttestudo.ruler.server.")
+_PLACES = "smarttestudo.ruler."
 
 
 def _is_same(value: object, kind: Any) -> bool:

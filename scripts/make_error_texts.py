@@ -18,7 +18,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "Command lines": ("cli",),
     "Rule files, profiles, missions and maps": (
         "files", "rules", "optimizer", "simulation/route.py", "simulation/messages.py",
-        "simulation/physics", "ruler/project",
+        "simulation/physics", "ruler/files",
     ),
     "On a robot": ("robot", "domain"),
     "Over a link": ("link",),
@@ -26,7 +26,10 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "Recordings": ("bags", "replays", "accuracy", "report"),
     "From Python": ("api.py",),
     "The demo": ("simulation/demo", "simulation/simulate.py"),
-    "The Ruler's page": ("ruler/answers", "ruler/server", "language", "checks", "editing"),
+    "The Ruler's page": (
+        "ruler/rules", "ruler/topics", "ruler/tries", "ruler/robots", "ruler/incidents", "ruler/server", "ruler/page_words.py",
+        "language", "checks", "editing",
+    ),
 }  # fmt: skip
 """Folders and files of the code, by where a user meets their texts."""
 WARNINGS = re.compile(r"(\.log|get_logger\(\))\.(warning|error)$|\._?(warn|warn_once|say)$")

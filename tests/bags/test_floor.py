@@ -21,7 +21,7 @@ from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.report.floor_map import MOST_STRIPS, map_frame, occupied_cells
-from smarttestudo.ruler.project.nav2_map import MapError, read_nav2_map
+from smarttestudo.ruler.files.nav2_map import MapError, read_nav2_map
 
 INF = math.inf
 ODOM = Channel(topic="/odom", type_name="nav_msgs/msg/Odometry")

@@ -22,7 +22,7 @@ from ruler.ruler_server import Answer, Page, served
 from smarttestudo import __version__
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.remote_robots import RemoteRobots
-from smarttestudo.ruler.answers.project import ProjectFiles
+from smarttestudo.ruler.files.project import ProjectFiles
 from smarttestudo.ruler.server.permission import only_reads
 
 PAGE_TESTS = Path(__file__).parents[2] / "gui" / "tests" / "page"

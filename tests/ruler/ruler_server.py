@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.answers.robot_incidents import OpenIncidents
-from smarttestudo.ruler.answers.robot_link import OpenRobots
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents
+from smarttestudo.ruler.robots.link import OpenRobots
 from smarttestudo.ruler.server.app import ruler_app
 from smarttestudo.ruler.server.guard import ServerAddress
 from smarttestudo.ruler.server.server import listening, server_of

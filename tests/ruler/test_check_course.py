@@ -14,14 +14,14 @@ import pytest
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import Page, served
 from smarttestudo.domain.signal import Truth
-from smarttestudo.ruler.answers.check_course import (
+from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.tries.check_course import (
     CheckCourse,
     CheckCourseRequest,
     check_course,
     check_course_order,
 )
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.trial import try_rules
+from smarttestudo.ruler.tries.try_rules import try_rules
 
 FAR: dict[str, Any] = {"kind": "check", "topic": "/odom", "property": "pose_y", "op": ">", "value": 2}
 

@@ -11,9 +11,9 @@ from robot.status.statuses import STATUS
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.status import status_from_text
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.live_view import live_model, robot_summaries
-from smarttestudo.ruler.answers.robot_watch import RuleWords, SeenRobot, words_of
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.robots.view import live_model, robot_summaries
+from smarttestudo.ruler.robots.watch import RuleWords, SeenRobot, words_of
 
 
 def test_watching_says_what_it_takes_of_the_link() -> None:

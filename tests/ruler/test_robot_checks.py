@@ -13,7 +13,7 @@ from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin
 from smarttestudo.language.syntax import Operator
-from smarttestudo.ruler.answers.robot_checks import (
+from smarttestudo.ruler.robots.checks import (
     BIN_S,
     MAX_CHECKS,
     MAX_TURNS_KEPT,
@@ -21,8 +21,8 @@ from smarttestudo.ruler.answers.robot_checks import (
     RobotChecksAnswer,
     RobotChecksRequest,
 )
-from smarttestudo.ruler.answers.robot_history import KEPT_S
-from smarttestudo.ruler.answers.robot_watch import RuleWords, SeenRobot, words_of
+from smarttestudo.ruler.robots.history import KEPT_S
+from smarttestudo.ruler.robots.watch import RuleWords, SeenRobot, words_of
 
 TEXT = """\
 begin

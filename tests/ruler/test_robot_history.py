@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, RulesInForce, RulesOrigin, RuntimeStatus
-from smarttestudo.ruler.answers.robot_history import (
+from smarttestudo.ruler.robots.history import (
     KEPT_S,
     MAX_EVENTS,
     MAX_EVENTS_TOLD,
@@ -20,7 +20,7 @@ from smarttestudo.ruler.answers.robot_history import (
     RobotEvent,
     RobotHistory,
 )
-from smarttestudo.ruler.answers.robot_watch import SeenRobot, words_of
+from smarttestudo.ruler.robots.watch import SeenRobot, words_of
 
 TEXT = """\
 begin

@@ -16,11 +16,11 @@ from smarttestudo.editing import EditError
 from smarttestudo.editing.document import condition_meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.difference import differences, mean_the_same
-from smarttestudo.ruler.answers.edits import EditedTexts, EditRequest, Insert, Replace
-from smarttestudo.ruler.answers.sharing import ExportRequest, exported
-from smarttestudo.ruler.answers.statements import (
+from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules.difference import differences, mean_the_same
+from smarttestudo.ruler.rules.edits import EditedTexts, EditRequest, Insert, Replace
+from smarttestudo.ruler.rules.sharing import ExportRequest, exported
+from smarttestudo.ruler.rules.statements import (
     Action,
     AndCondition,
     CheckCondition,
@@ -37,7 +37,7 @@ from smarttestudo.ruler.answers.statements import (
     UntilValue,
     WithinStatement,
 )
-from smarttestudo.ruler.answers.vocabulary import VocabularyRequest, topics_in, vocabulary
+from smarttestudo.ruler.topics.vocabulary import VocabularyRequest, topics_in, vocabulary
 
 TEXT = """\
 begin

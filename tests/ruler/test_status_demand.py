@@ -7,7 +7,7 @@ from __future__ import annotations
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarttestudo.ruler.answers.robot_watch import StatusRateRequest
+from smarttestudo.ruler.robots.watch import StatusRateRequest
 
 
 class Robot:

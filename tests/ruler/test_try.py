@@ -25,8 +25,8 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.trial import TrialLimits, TryAnswer, try_rules
+from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.tries.try_rules import TrialLimits, TryAnswer, try_rules
 
 STATEMENTS = """\
   SetFrequency /odom 10

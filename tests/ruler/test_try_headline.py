@@ -24,13 +24,13 @@ from hypothesis import strategies as st
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.accuracy.loss_report import Age, ErrorSize, Frames, TopicArm
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.child_process import ChildWork
-from smarttestudo.ruler.answers.trial import TryRequest, try_rules
-from smarttestudo.ruler.answers.trial_headline import TriedRecording, worst_field, worst_topic
-from smarttestudo.ruler.answers.trial_loss import TryFieldLoss, TryImages, TryLoss, TryTopicLoss
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler.rules.checked_text import Draft
 from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
+from smarttestudo.ruler.tries.headline import TriedRecording, worst_field, worst_topic
+from smarttestudo.ruler.tries.loss import TryFieldLoss, TryImages, TryLoss, TryTopicLoss
+from smarttestudo.ruler.tries.try_rules import TryRequest, try_rules
 
 RULES = """\
 begin

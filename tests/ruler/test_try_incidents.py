@@ -16,9 +16,9 @@ import pytest
 from bags.bag_reading import read_bag
 from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, RULES, write_incidents
 from ruler.ruler_server import Page, served
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.trial import TrialLimits, try_rules
+from smarttestudo.ruler.rules.checked_text import Draft
 from smarttestudo.ruler.server.keeping import MAX_KEEPS
+from smarttestudo.ruler.tries.try_rules import TrialLimits, try_rules
 
 TRY = {"text": RULES, "name": "far.adirf", "bag": "monday"}
 

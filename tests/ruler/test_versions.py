@@ -11,10 +11,10 @@ from urllib.parse import quote
 import pytest
 
 from ruler.ruler_server import Answer, Page, served
-from smarttestudo.ruler.answers.project import ProjectFiles, SaveRequest
-from smarttestudo.ruler.project.project_folder import ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.project.project_settings import SettingsFile
-from smarttestudo.ruler.project.version_store import MAX_VERSIONS, VersionStore
+from smarttestudo.ruler.files.project import ProjectFiles, SaveRequest
+from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
+from smarttestudo.ruler.files.project_settings import SettingsFile
+from smarttestudo.ruler.files.version_store import MAX_VERSIONS, VersionStore
 
 RULES = "begin\n    SetFrequency /odom 10\nend\n"
 MINUTE_MS = 60_000

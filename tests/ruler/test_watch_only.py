@@ -17,9 +17,9 @@ import pytest
 from ruler.incident_projects import NEAR_MISS, write_incidents
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.answers.robot_incidents import RobotIncidents
-from smarttestudo.ruler.answers.robot_link import RobotLink
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.incidents.robot_incidents import RobotIncidents
+from smarttestudo.ruler.robots.link import RobotLink
 from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
 from smarttestudo.ruler.server.child_work import TryApi
 from smarttestudo.ruler.server.keeping import Keepings

@@ -348,7 +348,7 @@ def _map_files(nav2_map: Path | None) -> Sequence[Path]:
     """The map's description and the image that it names."""
     if nav2_map is None:
         return ()
-    from smarttestudo.ruler.project.nav2_map import read_map_header  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.ruler.files.nav2_map import read_map_header  # noqa: PLC0415  needs packages a robot lacks
 
     return nav2_map, read_map_header(nav2_map).image
 
@@ -358,7 +358,7 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
     from smarttestudo.report.bag_report import ReportRequest, bag_report  # noqa: PLC0415
     from smarttestudo.report.comparison_tables import RunNames  # noqa: PLC0415
     from smarttestudo.report.run_report import Fact  # noqa: PLC0415
-    from smarttestudo.ruler.project.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.ruler.files.nav2_map import read_nav2_map  # noqa: PLC0415  needs packages a robot lacks
 
     a, b = arguments.a, arguments.b
     occupancy = None if arguments.nav2_map is None else read_nav2_map(arguments.nav2_map)

@@ -18,7 +18,7 @@ from smarttestudo.cli.output import write_line
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.link.zenoh import open_link_incidents, open_link_robots
 from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_folder import ProjectFolder
 
 DEFAULT_PORT = 8750
 
@@ -53,8 +53,8 @@ def add_arguments(parser: CommandParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until Ctrl-C."""
-    from smarttestudo.ruler.answers.robot_incidents import OpenIncidents  # noqa: PLC0415
-    from smarttestudo.ruler.answers.robot_link import OpenRobots  # noqa: PLC0415
+    from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents  # noqa: PLC0415
+    from smarttestudo.ruler.robots.link import OpenRobots  # noqa: PLC0415
     from smarttestudo.ruler.server.guard import ServerAddress  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.ruler.server.page import is_page_built  # noqa: PLC0415
     from smarttestudo.ruler.server.server import serve  # noqa: PLC0415

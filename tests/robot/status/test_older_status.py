@@ -22,9 +22,9 @@ from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RulesOrigin, Silence, status_from_text
 from smarttestudo.robot.ros.graph_robots import GraphRobots
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.live_view import Live, live_model, robot_summaries
-from smarttestudo.ruler.answers.robot_watch import RobotWatch
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.robots.view import Live, live_model, robot_summaries
+from smarttestudo.ruler.robots.watch import RobotWatch
 
 TEXT = (Path(__file__).parent / "older" / "status-1daef1d.json").read_text(encoding="utf-8")
 STATUS = status_from_text(TEXT)

@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from real_browser import TIMEOUT_MS
-from smarttestudo.ruler.answers.child_process import ChildWork
+from smarttestudo.ruler.child_process import ChildWork
 
 LOOK_S = 0.01
 
@@ -55,7 +55,7 @@ def first_held(work: ChildWork) -> Iterator[Callable[[], int]]:
 def child_of_server(work: ChildWork) -> int | None:
     """The process for ``work`` of the server of this test; others have forked that."""
     servers = _children(_children(iter([os.getpid()])))
-    command = f"smarttestudo.ruler.answers.child_process\0{work.value}"
+    command = f"smarttestudo.ruler.child_process\0{work.value}"
     return next((pid for pid in _children(servers) if command in _command(pid)), None)
 
 

@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, expect
 from ruler.browser.held_child import first_held
 from ruler.browser.ruler_page import RulerPage
 from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, add_bad_incidents, write_incidents
-from smarttestudo.ruler.answers.child_process import ChildWork
+from smarttestudo.ruler.child_process import ChildWork
 
 
 @pytest.fixture

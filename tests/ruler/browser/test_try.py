@@ -15,7 +15,7 @@ from bags.bag_factory import small_mission, write_bag
 from link.zenoh.ends import until
 from ruler.browser.held_child import child_of_server, first_held
 from ruler.browser.ruler_page import RulerPage
-from smarttestudo.ruler.answers.child_process import ChildWork
+from smarttestudo.ruler.child_process import ChildWork
 
 RULES = """\
 begin

@@ -15,26 +15,9 @@ from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.ruler.answers import (
-    edits,
-    optimize_answer,
-    profile_table,
-    profiles,
-    sharing,
-    versions,
-    zone_edits,
-)
-from smarttestudo.ruler.answers.accuracy_curve import AccuracyNeeds
-from smarttestudo.ruler.answers.backgrounds import BackgroundRequest, Backgrounds
-from smarttestudo.ruler.answers.check_course import CheckCourse, CheckCourseRequest
-from smarttestudo.ruler.answers.checked_text import Draft
-from smarttestudo.ruler.answers.child_process import ChildWork
-from smarttestudo.ruler.answers.curve import Curve, CurveRequest
-from smarttestudo.ruler.answers.edits import TextAnswer
-from smarttestudo.ruler.answers.incident_course import IncidentCourse, IncidentCourseRequest
-from smarttestudo.ruler.answers.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
-from smarttestudo.ruler.answers.incidents import KnownIncidents, OneIncidentRequest
-from smarttestudo.ruler.answers.project import (
+from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler.files.backgrounds import BackgroundRequest, Backgrounds
+from smarttestudo.ruler.files.project import (
     CopyRequest,
     DeleteRequest,
     ProjectFiles,
@@ -42,21 +25,23 @@ from smarttestudo.ruler.answers.project import (
     SaveRequest,
     SettingsRequest,
 )
-from smarttestudo.ruler.answers.pushing import PushedRequest, PushRequest, RobotRequest
-from smarttestudo.ruler.answers.recordings import BagRequest, ReceivedAnswer, Recordings
-from smarttestudo.ruler.answers.robot_checks import RobotChecksRequest
-from smarttestudo.ruler.answers.robot_incidents import (
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_settings import SettingsFile
+from smarttestudo.ruler.files.recordings import BagRequest, ReceivedAnswer, Recordings
+from smarttestudo.ruler.incidents.course import IncidentCourse, IncidentCourseRequest
+from smarttestudo.ruler.incidents.incidents import KnownIncidents, OneIncidentRequest
+from smarttestudo.ruler.incidents.robot_incidents import (
     OpenIncidents,
     RobotIncidentRequest,
     RobotIncidents,
 )
-from smarttestudo.ruler.answers.robot_link import OpenRobots, RobotLink
-from smarttestudo.ruler.answers.robots import WatchedRobots
-from smarttestudo.ruler.answers.trial import TryAnswer, TryRequest
-from smarttestudo.ruler.answers.trial_headline import TriedRecording
-from smarttestudo.ruler.answers.vocabulary import Vocabulary, VocabularyRequest, vocabulary
-from smarttestudo.ruler.project.project_folder import ProjectFolder
-from smarttestudo.ruler.project.project_settings import SettingsFile
+from smarttestudo.ruler.robots.checks import RobotChecksRequest
+from smarttestudo.ruler.robots.link import OpenRobots, RobotLink
+from smarttestudo.ruler.robots.push import PushedRequest, PushRequest, RobotRequest
+from smarttestudo.ruler.robots.watched_robots import WatchedRobots
+from smarttestudo.ruler.rules import edits, optimize_answer, sharing, versions, zone_edits
+from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules.edits import TextAnswer
 from smarttestudo.ruler.server.bodies import read_query
 from smarttestudo.ruler.server.child_work import (
     CheckApi,
@@ -74,6 +59,14 @@ from smarttestudo.ruler.server.page import documentation_routes, page_files
 from smarttestudo.ruler.server.routes import ApiRoute, Handler, answering, long_work, telling
 from smarttestudo.ruler.server.socket import Listeners
 from smarttestudo.ruler.server.uploads import receiving
+from smarttestudo.ruler.topics import profile_table, profiles
+from smarttestudo.ruler.topics.accuracy_curve import AccuracyNeeds
+from smarttestudo.ruler.topics.curve import Curve, CurveRequest
+from smarttestudo.ruler.topics.vocabulary import Vocabulary, VocabularyRequest, vocabulary
+from smarttestudo.ruler.tries.check_course import CheckCourse, CheckCourseRequest
+from smarttestudo.ruler.tries.headline import TriedRecording
+from smarttestudo.ruler.tries.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
+from smarttestudo.ruler.tries.try_rules import TryAnswer, TryRequest
 
 _PNG = "image/png"
 

@@ -21,26 +21,26 @@ from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.check_course import (
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.child_messages import Done, Failure, Share
+from smarttestudo.ruler.child_process import ChildWork, MeasureOrder
+from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
+from smarttestudo.ruler.incidents.course import IncidentCourseRequest
+from smarttestudo.ruler.incidents.incidents import KnownIncidents
+from smarttestudo.ruler.page_words import in_page_words
+from smarttestudo.ruler.rules.checked_text import require_usable
+from smarttestudo.ruler.server.encodings import json_answer
+from smarttestudo.ruler.server.errors import GONE, RequestError
+from smarttestudo.ruler.server.socket import Listeners, Progress
+from smarttestudo.ruler.topics.curve import CurveRequest
+from smarttestudo.ruler.topics.profiles import MeasureLiveRequest
+from smarttestudo.ruler.tries.check_course import (
     CheckCourseOrder,
     CheckCourseRequest,
     check_course_order,
 )
-from smarttestudo.ruler.answers.checked_text import require_usable
-from smarttestudo.ruler.answers.child_messages import Done, Failure, Share
-from smarttestudo.ruler.answers.child_process import ChildWork, MeasureOrder
-from smarttestudo.ruler.answers.curve import CurveRequest
-from smarttestudo.ruler.answers.incident_course import IncidentCourseRequest
-from smarttestudo.ruler.answers.incidents import KnownIncidents
-from smarttestudo.ruler.answers.page_words import in_page_words
-from smarttestudo.ruler.answers.profiles import MeasureLiveRequest
-from smarttestudo.ruler.answers.trial import TryRequest
-from smarttestudo.ruler.answers.trial_headline import TriedRecording
-from smarttestudo.ruler.project.project_folder import ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.server.encodings import json_answer
-from smarttestudo.ruler.server.errors import GONE, RequestError
-from smarttestudo.ruler.server.socket import Listeners, Progress
+from smarttestudo.ruler.tries.headline import TriedRecording
+from smarttestudo.ruler.tries.try_rules import TryRequest
 
 _MODULE = ChildWork.__module__
 _MAX_LINE_BYTES = 50_000_000

@@ -8,7 +8,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response, StreamingResponse
 
-from smarttestudo.ruler.answers.incidents import KnownIncidents
+from smarttestudo.ruler.incidents.incidents import KnownIncidents
 from smarttestudo.ruler.server.routes import Handler
 
 _ZIP = "application/zip"

@@ -11,15 +11,15 @@ from starlette.responses import Response
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.parameter import SilentNodeError
-from smarttestudo.ruler.answers.checked_text import RefusedTextError
-from smarttestudo.ruler.answers.documents import PlacedFinding, placed_findings
-from smarttestudo.ruler.answers.page_words import in_page_words
-from smarttestudo.ruler.answers.robots import UnknownRobotError
-from smarttestudo.ruler.project.project_folder import (
+from smarttestudo.ruler.files.project_folder import (
     ChangedFileError,
     ForbiddenPathError,
     MissingFileError,
 )
+from smarttestudo.ruler.page_words import in_page_words
+from smarttestudo.ruler.robots.watched_robots import UnknownRobotError
+from smarttestudo.ruler.rules.checked_text import RefusedTextError
+from smarttestudo.ruler.rules.documents import PlacedFinding, placed_findings
 
 JSON = "application/json"
 GONE = 499

@@ -18,10 +18,15 @@ from starlette.responses import Response
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.files.removal import temporary_folder
 from smarttestudo.files.whole_file import not_written
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.checked_text import require_usable
-from smarttestudo.ruler.answers.child_process import ChildWork
-from smarttestudo.ruler.answers.incident_keeping import (
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.page_words import in_page_words
+from smarttestudo.ruler.rules.checked_text import require_usable
+from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
+from smarttestudo.ruler.server.encodings import json_answer
+from smarttestudo.ruler.server.socket import Progress
+from smarttestudo.ruler.tries.incident_keeping import (
     INCIDENTS_FOLDER,
     KeepEndRequest,
     KeepOrder,
@@ -30,11 +35,6 @@ from smarttestudo.ruler.answers.incident_keeping import (
     KeepState,
     KeptIncident,
 )
-from smarttestudo.ruler.answers.page_words import in_page_words
-from smarttestudo.ruler.project.project_folder import ProjectFolder
-from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
-from smarttestudo.ruler.server.encodings import json_answer
-from smarttestudo.ruler.server.socket import Progress
 
 MAX_KEEPS = 20
 _MAX_NAME = 200

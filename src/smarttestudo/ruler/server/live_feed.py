@@ -10,9 +10,9 @@ import time
 from collections.abc import Sequence
 from threading import Lock
 
-from smarttestudo.ruler.answers.live_view import RobotSummary, live_model, robot_summaries
-from smarttestudo.ruler.answers.robot_link import RobotLink
-from smarttestudo.ruler.answers.robot_watch import SeenRobot
+from smarttestudo.ruler.robots.link import RobotLink
+from smarttestudo.ruler.robots.view import RobotSummary, live_model, robot_summaries
+from smarttestudo.ruler.robots.watch import SeenRobot
 from smarttestudo.ruler.server.socket import Listeners, Robots, encoded
 
 _ROBOTS_PERIOD_S = 2.0

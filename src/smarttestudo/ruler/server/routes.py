@@ -13,7 +13,7 @@ from starlette.requests import Request
 from starlette.responses import Response
 from starlette.routing import Route
 
-from smarttestudo.ruler.answers.answer_json import answer_json
+from smarttestudo.ruler.answer_json import answer_json
 from smarttestudo.ruler.server.bodies import read_body
 from smarttestudo.ruler.server.encodings import json_answer
 from smarttestudo.ruler.server.permission import Permission, noted_permission

@@ -15,9 +15,9 @@ import uvicorn
 from starlette.types import ASGIApp
 
 from smarttestudo.domain.errors import PortError
-from smarttestudo.ruler.answers.robot_incidents import OpenIncidents
-from smarttestudo.ruler.answers.robot_link import OpenRobots
-from smarttestudo.ruler.project.project_folder import ProjectFolder
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents
+from smarttestudo.ruler.robots.link import OpenRobots
 from smarttestudo.ruler.server.app import ruler_app
 from smarttestudo.ruler.server.bodies import MAX_BODY_BYTES
 from smarttestudo.ruler.server.guard import ServerAddress

@@ -16,8 +16,8 @@ import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
-from smarttestudo.ruler.answers.answer_json import answer_json
-from smarttestudo.ruler.answers.live_view import Live, RobotSummary
+from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.robots.view import Live, RobotSummary
 from smarttestudo.ruler.server.permission import Permission, noted_permission
 
 PROTOCOL_VERSION = 2

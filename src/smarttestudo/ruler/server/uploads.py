@@ -9,7 +9,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import Response
 
-from smarttestudo.ruler.answers.recordings import ReceivedAnswer, Recordings
+from smarttestudo.ruler.files.recordings import ReceivedAnswer, Recordings
 from smarttestudo.ruler.server.errors import JSON, RequestError
 from smarttestudo.ruler.server.routes import Handler
 

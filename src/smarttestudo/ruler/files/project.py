@@ -1,0 +1,267 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The files of the project that the page has open."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from importlib.util import find_spec
+
+from msgspec import Struct
+
+from smarttestudo import __version__
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.ruler.files.project_folder import (
+    ChangedFileError,
+    FileKind,
+    FileText,
+    ForbiddenPathError,
+    FoundFile,
+    MissingFileError,
+    ProjectFolder,
+    layout_name,
+)
+from smarttestudo.ruler.files.project_settings import SettingsFile
+from smarttestudo.ruler.files.version_store import VersionStore
+
+
+class Project(Struct, frozen=True, kw_only=True):
+    """``GET /api/project``. ``opened`` is the file that the command line named, if any.
+
+    A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
+    reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
+    ``saves_by_itself`` is whether the page saves what was changed without being asked.
+    """
+
+    root_name: str
+    root_hash: str
+    opened: str | None
+    files: tuple[FoundFile, ...]
+    version: str
+    ros: bool
+    has_more: bool
+    saves_by_itself: bool
+
+
+class SettingsRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/project/settings`` → ``Project``: what everybody who opens the project wants."""
+
+    saves_by_itself: bool
+
+
+class FileAnswer(Struct, frozen=True, kw_only=True):
+    """``GET /api/file?name=``: the text with its SHA-256, which a later PUT names."""
+
+    name: str
+    text: str
+    hash: str
+
+
+class FileOnDisk(Struct, frozen=True, kw_only=True):
+    """``GET /api/file/state?name=``: the SHA-256 of what is on disk, null where nothing is."""
+
+    hash: str | None
+
+
+class SaveRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/file``: ``base_hash`` is what the editor read; null where the file must not exist yet.
+
+    ``by_itself`` is whether nobody asked the page to save.
+    """
+
+    name: str
+    text: str
+    base_hash: str | None = None
+    by_itself: bool = False
+
+
+class SaveAnswer(Struct, frozen=True, kw_only=True):
+    """The SHA-256 of what is on disk now; ``note`` is why no version of it is kept, empty if one is."""
+
+    hash: str
+    note: str
+
+
+class RenameRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
+
+    name: str
+    new_name: str
+    base_hash: str
+
+
+class CopyRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/copy`` → ``Project``: ``new_name`` must not exist yet."""
+
+    name: str
+    new_name: str
+
+
+class DeleteRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/file/delete`` → ``Project``: ``base_hash`` is what the page keeps for its *Undo*."""
+
+    name: str
+    base_hash: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Source:
+    """A file that is renamed or copied, with its map where it has one."""
+
+    kind: FileKind
+    text: str
+    layout: FileText | None
+
+
+class ProjectFiles:
+    """The files of ``folder``; ``opened`` is the one that the user named, if any.
+
+    ``now_s`` is the time in seconds since 1970.
+    """
+
+    def __init__(
+        self,
+        folder: ProjectFolder,
+        settings: SettingsFile,
+        opened: str | None,
+        now_s: Callable[[], float] = time.time,
+    ) -> None:
+        self._folder = folder
+        self._settings = settings
+        self._versions = VersionStore(folder)
+        self._opened = opened
+        self._now_s = now_s
+
+    def project(self) -> Project:
+        """The project with its files."""
+        files, has_more = self._folder.files()
+        return Project(
+            root_name=self._folder.name,
+            root_hash=self._folder.path_hash,
+            opened=self._opened,
+            files=tuple(files),
+            version=__version__,
+            ros=find_spec("rclpy") is not None,
+            has_more=has_more,
+            saves_by_itself=self._settings.read().saves_by_itself,
+        )
+
+    def set(self, request: SettingsRequest) -> Project:
+        """Change the settings of the project."""
+        self._settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
+        return self.project()
+
+    def read(self, name: str) -> FileAnswer:
+        """One text file."""
+        found = self._folder.read(name)
+        return FileAnswer(name=name, text=found.text, hash=found.sha256)
+
+    def state(self, name: str) -> FileOnDisk:
+        """Hash that tells whether a file that is open was changed by somebody else."""
+        try:
+            return FileOnDisk(hash=self._folder.read(name).sha256)
+        except MissingFileError:
+            return FileOnDisk(hash=None)
+
+    def save(self, request: SaveRequest) -> SaveAnswer:
+        """Write one text file; of a rule file, what was and what is there are kept as versions."""
+        name = request.name
+        if self._folder.kind(name) is not FileKind.RULES:
+            return SaveAnswer(hash=self._written(request), note="")
+        before = self._before(request)
+        sha256 = self._written(request)
+        try:
+            if before is not None:
+                self._versions.keep(name, before.text, before.changed_at_ms)
+            self._versions.keep(name, request.text, int(self._now_s() * 1000), by_itself=request.by_itself)
+        except TestudoError as error:
+            # The file itself is saved, and that must be said.
+            return SaveAnswer(hash=sha256, note=error.cause)
+        return SaveAnswer(hash=sha256, note="")
+
+    def rename(self, request: RenameRequest) -> Project:
+        """Call a rule file or a profile otherwise; its map, its versions and its profile go with it."""
+        name, new_name = request.name, request.new_name
+        source = self._source(name, new_name)
+        self._move(source.text, name, new_name, request.base_hash)
+        if source.layout is not None:
+            with suppress(MissingFileError, ChangedFileError):
+                layout = source.layout
+                self._move(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
+        if source.kind is FileKind.RULES:
+            self._versions.move(name, new_name)
+        self._settings.follow(name, new_name)
+        return self.project()
+
+    def copy(self, request: CopyRequest) -> Project:
+        """Write a rule file or a profile under another name as well, with its map and its profile."""
+        name, new_name = request.name, request.new_name
+        source = self._source(name, new_name)
+        self._folder.write(new_name, source.text, None)
+        if source.layout is not None:
+            with suppress(ChangedFileError):
+                self._folder.write(layout_name(new_name), source.layout.text, None)
+        if source.kind is FileKind.RULES:
+            self._versions.keep(new_name, source.text, int(self._now_s() * 1000))
+            profile = self._settings.read().profiles.get(name)
+            if profile is not None:
+                self._settings.set_profile(new_name, profile)
+        return self.project()
+
+    def delete(self, request: DeleteRequest) -> Project:
+        """Remove a rule file, of which a version is kept, or a profile."""
+        name = request.name
+        if self._folder.kind(name) is FileKind.RULES:
+            found = self._folder.read(name)
+            self._versions.keep(name, found.text, found.changed_at_ms)
+        self._folder.remove(name, request.base_hash)
+        return self.project()
+
+    def _source(self, name: str, new_name: str) -> _Source:
+        """Content of the file ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+        kind = self._folder.kind(name)
+        if self._folder.kind(new_name) is not kind:
+            remedy = "rule files end in .adirf, profiles in .toml"
+            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+        self._folder.path(new_name)
+        layout = self._layout(name, new_name)
+        return _Source(kind=kind, text=self._folder.read(name).text, layout=layout)
+
+    def _layout(self, name: str, new_name: str) -> FileText | None:
+        """The map of ``name``, if it has one; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+        try:
+            found = self._folder.read(layout_name(name))
+        except (MissingFileError, ForbiddenPathError):
+            # The name of a map is longer, and may be too long.
+            return None
+        try:
+            self._folder.path(layout_name(new_name))
+        except ForbiddenPathError as error:
+            cause = "the name is too long for the map of the rules"
+            raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
+        return found
+
+    def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
+        written_sha256 = self._folder.write(new_name, text, None)
+        try:
+            self._folder.remove(name, base_sha256)
+        except TestudoError:
+            # Whoever is refused finds what was there before.
+            self._folder.remove(new_name, written_sha256)
+            raise
+
+    def _written(self, request: SaveRequest) -> str:
+        return self._folder.write(request.name, request.text, request.base_hash)
+
+    def _before(self, request: SaveRequest) -> FileText | None:
+        """Text that a save replaces, which another program may have written; ``None`` where nothing is."""
+        if request.base_hash is None:
+            return None
+        try:
+            return self._folder.read(request.name)
+        except TestudoError:
+            # The save itself says what is wrong with it.
+            return None

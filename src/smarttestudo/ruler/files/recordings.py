@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Rules that start from a recording: what it holds, defaults for its topics, and recordings that come in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from msgspec import Struct
+
+from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.files.whole_file import OutputFileError, whole_binary_file
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+
+
+class BagRequest(Struct, frozen=True, kw_only=True):
+    """A bag of the project.
+
+    ``POST /api/recording`` → ``RecordingAnswer``; ``/api/background/path`` → ``DrivenPath``;
+    ``/api/profile/measure`` → ``TextAnswer``: a profile measured in it.
+    """
+
+    bag: str
+
+
+class RecordingAnswer(Struct, frozen=True, kw_only=True):
+    """Its topics by name, how long it is, and a rule file that relays every message of them."""
+
+    topics: tuple[str, ...]
+    duration_s: float
+    rules_text: str
+
+
+class ReceivedAnswer(Struct, frozen=True, kw_only=True):
+    """``PUT /api/recording?name=`` with the bytes of a file: what the project calls it."""
+
+    bag: str
+
+
+class Recordings:
+    """The bags of ``folder``."""
+
+    def __init__(self, folder: ProjectFolder) -> None:
+        self._folder = folder
+
+    def recording(self, request: BagRequest) -> RecordingAnswer:
+        """Topics and length of a bag; ``RecordingError`` where it cannot be read."""
+        from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
+
+        with open_recording(self._folder.bag(request.bag)) as recording:
+            topics = sorted({one.topic for one in recording.channels if is_topic_name(one.topic)})
+            duration_s = max(0.0, (recording.end_ns - recording.start_ns) / NS_PER_S)
+        return RecordingAnswer(topics=tuple(topics), duration_s=duration_s, rules_text=defaults_text(topics))
+
+    @contextmanager
+    def receiving(self, name: str) -> Iterator[Callable[[bytes], None]]:
+        """Give the block what appends bytes to the new bag ``name``, which is there once the block ends well.
+
+        Raises ``OutputFileError`` where there is one of that name, or no room.
+        """
+        path = self._folder.new_bag(name)
+        try:
+            with whole_binary_file(path, "the recording", must_be_new=True) as write:
+                yield write
+        except OutputFileError as error:
+            # Where the project is on this machine is nobody's business on another.
+            raise OutputFileError(error.cause, place=name, remedy=error.remedy) from error
+
+
+def defaults_text(topics: list[str], verb: str = "recorded") -> str:
+    """A rule file with a default for each topic: every message, until somebody says less."""
+    lines = "".join(f"    SetFrequency {topic} Full\n" for topic in topics)
+    return f"// Every message of each {verb} topic: lower what may come less often.\nbegin\n{lines}end\n"

@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The last versions of a project's rule files, in a hidden folder of the project."""
+
+from __future__ import annotations
+
+import os
+import re
+import threading
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass
+from datetime import datetime, timedelta, timezone
+from pathlib import Path
+
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.files.input_file import read_input, require_file
+from smarttestudo.files.removal import remove
+from smarttestudo.files.whole_file import not_written, whole_file
+from smarttestudo.ruler.files.project_folder import (
+    MAX_TEXT_BYTES,
+    FileKind,
+    ForbiddenPathError,
+    MissingFileError,
+    ProjectFolder,
+)
+
+VERSIONS_FOLDER = ".testudo/versions"
+MAX_VERSIONS = 50
+_JOINED_MS = 300_000
+"""Of the versions that the page saved by itself in each five minutes of the clock, the last one is kept."""
+_ID = re.compile(r"(\d{8}T\d{9})Z(-auto)?\Z", re.ASCII)
+_STAMP = "%Y%m%dT%H%M%S"
+_SUFFIX = ".adirf"
+_EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KeptVersion:
+    """A version by its id; ``by_itself`` is whether the page saved it without being asked."""
+
+    id: str
+    saved_at_ms: int
+    by_itself: bool
+    size_bytes: int
+
+
+class VersionStore:
+    """The last 50 versions of each rule file of ``folder``, a file each."""
+
+    def __init__(self, folder: ProjectFolder) -> None:
+        self._folder = folder
+        self._writing = threading.Lock()
+
+    def versions(self, name: str) -> list[KeptVersion]:
+        """Versions of the rule file ``name``, the newest first; ``ForbiddenPathError`` for other files."""
+        try:
+            entries = list(os.scandir(self._place(name)))
+        except (FileNotFoundError, NotADirectoryError):
+            return []
+        except OSError as error:
+            cause = f"the versions cannot be read: {error.strerror}"
+            raise TestudoError(
+                cause, place=name, remedy=f"check the permissions of {VERSIONS_FOLDER}"
+            ) from error
+        return sorted(_kept(entries), key=lambda one: one.id, reverse=True)
+
+    def text(self, name: str, version_id: str) -> str:
+        """The text of one version; ``MissingFileError`` where it is not kept."""
+        if not _ID.fullmatch(version_id):
+            raise ForbiddenPathError("this is not the id of a version", place=version_id[:80])
+        self._place(name)
+        path = self._folder.path(f"{VERSIONS_FOLDER}/{name}/{version_id}{_SUFFIX}")
+        try:
+            require_file(path)
+            return read_input(path, MAX_TEXT_BYTES).decode("utf-8")
+        except (FileNotFoundError, NotADirectoryError) as error:
+            raise MissingFileError("this version is no longer kept", place=name) from error
+        except (OSError, UnicodeDecodeError) as error:
+            raise TestudoError("this version cannot be read", place=f"{name} {version_id}") from error
+
+    def keep(self, name: str, text: str, saved_at_ms: int, *, by_itself: bool = False) -> None:
+        """Keep ``text`` as the newest version, unless it is that already.
+
+        The oldest beyond 50 are removed. Raises ``OutputFileError`` where it cannot be written.
+        """
+        place = self._place(name)
+        with self._writing:
+            known = self.versions(name)
+            newest = known[0] if known else None
+            if newest is not None and self.text(name, newest.id) == text:
+                return
+            # A clock that was set back does not make it older than what it follows.
+            stamp_ms = saved_at_ms if newest is None else max(saved_at_ms, newest.saved_at_ms + 1)
+            self._prepare(place)
+            written = f"{_stamp(stamp_ms)}{'-auto' if by_itself else ''}"
+            with whole_file(place / f"{written}{_SUFFIX}", "the version", must_be_new=True) as write:
+                write(text)
+            joined = [newest] if newest is not None and by_itself and _is_joined(newest, stamp_ms) else []
+            beyond = known[MAX_VERSIONS - 1 + len(joined) :]
+            for one in (*joined, *beyond):
+                # What cannot be removed now is removed after the next save.
+                with suppress(OSError, TestudoError):
+                    remove(place, [f"{one.id}{_SUFFIX}"])
+
+    def move(self, name: str, new_name: str) -> None:
+        """Keep the versions of the rule file ``name`` as those of ``new_name``, beside what that has.
+
+        Raises ``OutputFileError`` where they cannot be moved.
+        """
+        old, new = self._place(name), self._place(new_name)
+        with self._writing:
+            kept = self.versions(name)
+            if not kept:
+                return
+            self._prepare(new)
+            try:
+                for one in kept:
+                    (old / f"{one.id}{_SUFFIX}").rename(new / f"{one.id}{_SUFFIX}")
+            except OSError as error:
+                raise not_written(new, "the versions", error) from error
+            # A folder of versions with something else in it stays.
+            with suppress(OSError, TestudoError):
+                remove(old, [], with_folder=True)
+
+    def _place(self, name: str) -> Path:
+        """The folder of the versions of ``name``; ``ForbiddenPathError`` outside the project."""
+        if self._folder.kind(name) is not FileKind.RULES:
+            remedy = "only rule files, which end in .adirf, have versions"
+            raise ForbiddenPathError("no versions of this file are kept", place=name, remedy=remedy)
+        self._folder.path(name)
+        return self._folder.path(f"{VERSIONS_FOLDER}/{name}")
+
+    def _prepare(self, place: Path) -> None:
+        unshared = self._folder.path(f"{VERSIONS_FOLDER}/.gitignore")
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            # They are of this machine, as what an editor keeps for undo is.
+            if not unshared.exists():
+                unshared.write_text("*\n", "utf-8")
+        except OSError as error:
+            raise not_written(place, "the version", error) from error
+
+
+def _kept(entries: Iterable[os.DirEntry[str]]) -> Iterable[KeptVersion]:
+    for entry in entries:
+        version_id = entry.name.removesuffix(_SUFFIX)
+        match = _ID.fullmatch(version_id)
+        # What went away meanwhile, or has the name of no moment, is no version.
+        with suppress(OSError, ValueError):
+            if match is not None and entry.is_file(follow_symlinks=False):
+                yield KeptVersion(
+                    id=version_id,
+                    saved_at_ms=_milliseconds(match[1]),
+                    by_itself=match[2] is not None,
+                    size_bytes=entry.stat().st_size,
+                )
+
+
+def _is_joined(version: KeptVersion, stamp_ms: int) -> bool:
+    return version.by_itself and version.saved_at_ms // _JOINED_MS == stamp_ms // _JOINED_MS
+
+
+def _stamp(milliseconds: int) -> str:
+    moment = _EPOCH + timedelta(milliseconds=milliseconds)
+    return f"{moment.strftime(_STAMP)}{milliseconds % 1000:03}Z"
+
+
+def _milliseconds(stamp: str) -> int:
+    moment = datetime.strptime(stamp[:-3], _STAMP).replace(tzinfo=timezone.utc)
+    return (moment - _EPOCH) // timedelta(milliseconds=1) + int(stamp[-3:])

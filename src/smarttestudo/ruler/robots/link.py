@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robots that the Ruler hears: one thread owns them, and requests of other threads wait for that."""
+
+from __future__ import annotations
+
+import contextlib
+import queue
+import threading
+import time
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from concurrent.futures import TimeoutError as NoAnswerError
+from contextlib import AbstractContextManager
+from types import MappingProxyType
+from typing import TypeVar
+
+from smarttestudo.domain.errors import RosError, TestudoError
+from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
+from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.ruler.robots.checks import (
+    RobotChecks,
+    RobotChecksAnswer,
+    RobotChecksRequest,
+)
+from smarttestudo.ruler.robots.history import RobotHistory, RobotHistoryAnswer
+from smarttestudo.ruler.robots.watch import RobotWatch, SeenRobot
+
+_WAIT_S = 0.05
+_PATIENCE_S = 15.0
+_BEGIN_AGAIN_S = 5.0
+_END_WITHIN_S = 3.0
+# What was asked for on leaving is sent, and mostly answered, within this.
+_FAREWELL_S = 0.3
+_Answer = TypeVar("_Answer")
+_Order = Callable[[RemoteRobots], None]
+OpenRobots = Callable[[], AbstractContextManager[RemoteRobots]]
+"""Entering it raises ``TestudoError`` where no robot can be heard."""
+_STARTING = "the Ruler is still looking for robots"
+_LEFT = "the Ruler listens to robots no more"
+
+
+class RobotLink:
+    """Hears all robots and talks to them, from the first ``begin`` on; threads may call at once.
+
+    ``news`` is called on their thread with the robots of which a status came, and once that begins.
+    """
+
+    def __init__(self, open_robots: OpenRobots) -> None:
+        self.news: Callable[[Sequence[SeenRobot]], None] = lambda *_: None
+        self._open_robots = open_robots
+        self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
+        self._wanted_hz: Mapping[str, float] = MappingProxyType({})
+        self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
+        self._histories: dict[str, RobotHistory] = {}
+        self._checks: dict[str, RobotChecks] = {}
+        self._problem: str | None = _STARTING
+        self._remedy = ""
+        self._thread: threading.Thread | None = None
+        self._lock = threading.Lock()
+        self._is_closing = threading.Event()
+        self._began_s = 0.0
+        self._is_up = threading.Event()
+
+    @property
+    def problem(self) -> str | None:
+        """Why no robot can be reached; ``None`` if one could be."""
+        return self._problem
+
+    @property
+    def remedy(self) -> str:
+        """The remedy where a robot is not heard."""
+        return self._problem or self._remedy
+
+    @property
+    def seen(self) -> Mapping[str, SeenRobot]:
+        """The robots by their ids."""
+        return self._seen
+
+    def history(self, node: str) -> RobotHistoryAnswer:
+        """The history of a robot within the last hour; nothing of one that never spoke."""
+        return self._histories.get(node, RobotHistory()).answer(time.monotonic())
+
+    def checks(self, request: RobotChecksRequest) -> RobotChecksAnswer:
+        """The values that a robot's checks read, and when its rules held; nothing of one that never spoke."""
+        return self._checks.get(request.node, RobotChecks()).answer(request, time.monotonic())
+
+    @property
+    def is_up(self) -> bool:
+        """Whether robots are listened to."""
+        return self._is_up.is_set()
+
+    def begin(self) -> None:
+        """Listen, if that was not done or did not work some time ago."""
+        with self._lock:
+            is_running = self._thread is not None and self._thread.is_alive()
+            now_s = time.monotonic()
+            if is_running or self._is_closing.is_set() or now_s < self._began_s:
+                return
+            self._began_s = now_s + _BEGIN_AGAIN_S
+            self._thread = threading.Thread(target=self._run, name="robots", daemon=True)
+            self._thread.start()
+
+    def close(self) -> None:
+        """Listen no more; for good."""
+        with self._lock:
+            self._is_closing.set()
+            thread = self._thread
+        if thread is not None:
+            thread.join(_END_WITHIN_S)
+
+    def watch(self, wanted_hz: Mapping[str, float]) -> None:
+        """Have these robots watched, with so many statuses a second, and no others."""
+        self._wanted_hz = wanted_hz
+
+    def get(self, node: str, names: Sequence[str]) -> Values:
+        """Parameters of a robot. Raises ``RosError``."""
+
+        def order(robots: RemoteRobots, answer: Future[Values]) -> None:
+            robots.get(node, names, lambda values: _settle(answer, values))
+
+        return self._ask(order)
+
+    def set(self, node: str, values: Mapping[str, ParameterValue]) -> Refusals:
+        """Set parameters of a robot; the reasons of those that it refused. Raises ``RosError``."""
+
+        def order(robots: RemoteRobots, answer: Future[Refusals]) -> None:
+            robots.set(node, values, lambda refused: _settle(answer, refused))
+
+        return self._ask(order)
+
+    def topics(self) -> Mapping[str, str]:
+        """The types of what the robots' own nodes publish. Raises ``RosError``."""
+
+        def order(robots: RemoteRobots, answer: Future[Mapping[str, str]]) -> None:
+            robots.topics(None, lambda topics: _settle(answer, topics))
+
+        return self._ask(order)
+
+    def _ask(self, order: Callable[[RemoteRobots, Future[_Answer]], None]) -> _Answer:
+        answer: Future[_Answer] = Future()
+        self._require_up()
+
+        def taken(robots: RemoteRobots) -> None:
+            try:
+                order(robots, answer)
+            except TestudoError as error:
+                _settle(answer, error)
+
+        self._orders.put(taken)
+        try:
+            return answer.result(_PATIENCE_S)
+        except NoAnswerError as error:
+            raise RosError("the robots do not answer", remedy="try again") from error
+
+    def _require_up(self) -> None:
+        self.begin()
+        if not self._is_up.wait(_PATIENCE_S if self._problem == _STARTING else 0):
+            raise RosError(self._problem or _STARTING)
+
+    def _run(self) -> None:
+        try:
+            with self._open_robots() as robots:
+                watch = RobotWatch(robots, time.monotonic)
+                self._problem = None
+                self._remedy = robots.remedy
+                self._is_up.set()
+                self.news(())
+                self._serve(robots, watch)
+        except TestudoError as error:
+            self._problem = f"{error.cause}; {error.remedy}" if error.remedy else error.cause
+        finally:
+            self._is_up.clear()
+            self._problem = self._problem or _LEFT
+
+    def _serve(self, robots: RemoteRobots, watch: RobotWatch) -> None:
+        while not self._is_closing.is_set():
+            self._obey(robots)
+            watch.want(self._wanted_hz)
+            self._problem = robots.problem
+            robots.wait(_WAIT_S)
+            news = watch.poll()
+            for one in news:
+                self._histories.setdefault(one.status.robot_id, RobotHistory()).add(one)
+                self._checks.setdefault(one.status.robot_id, RobotChecks()).add(one)
+            for node in self._histories.keys() - watch.seen.keys():
+                del self._histories[node], self._checks[node]
+            if news or len(watch.seen) < len(self._seen):
+                self._seen = MappingProxyType(dict(watch.seen))
+            if news:
+                self.news(news)
+        watch.want({})
+        end_s = time.monotonic() + _FAREWELL_S
+        while time.monotonic() < end_s:
+            robots.wait(_WAIT_S)
+
+    def _obey(self, robots: RemoteRobots) -> None:
+        with contextlib.suppress(queue.Empty):
+            while True:
+                self._orders.get_nowait()(robots)
+
+
+def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:
+    if answer.done():
+        return
+    if isinstance(result, TestudoError):
+        answer.set_exception(result)
+    else:
+        answer.set_result(result)

@@ -1,0 +1,170 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The robots, as the page is told of them.
+
+A robot here is a running ``testudo run``: its ``node`` is ``/smarttestudo``, or ``ada:/smarttestudo`` where
+it has a link and a name on it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from smarttestudo.domain.decision import bound_texts
+from smarttestudo.domain.link import LinkState, TopicOnLink
+from smarttestudo.domain.record import Measured
+from smarttestudo.domain.robot import DiagnosticLevel
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus
+from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.robot.diagnostics import Health, accepted_text, node_health, recording_text, topic_health
+from smarttestudo.ruler.robots.watch import RobotCheck, SeenRobot, written_checks
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OldestTopic:
+    """The topic whose last message was the oldest when it arrived at the operator."""
+
+    topic: str
+    age_ms: float
+
+
+HealthLevel = Literal["ok", "warn", "error", "stale"]
+_LEVELS: Mapping[DiagnosticLevel, HealthLevel] = {
+    DiagnosticLevel.OK: "ok",
+    DiagnosticLevel.WARN: "warn",
+    DiagnosticLevel.ERROR: "error",
+    DiagnosticLevel.STALE: "stale",
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class HealthWords:
+    """How bad something is, what in a few words, and all that is known of it.
+
+    It says what ``testudo top`` and /diagnostics do.
+    """
+
+    level: HealthLevel
+    summary: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotSummary:
+    """One robot of a list; ``label`` is what people call it, ``health`` null where all is well.
+
+    ``is_heard`` is false once it has been silent for longer than it should be; ``heard_s_ago`` is the time
+    since its last status. ``topics`` are counted. ``lost`` counts messages that overflowed on the link, of
+    all topics that lost some within the last minute.
+    """
+
+    node: str
+    label: str
+    is_heard: bool
+    heard_s_ago: Measured
+    health: HealthWords | None
+    rules: RulesInForce
+    topics: int
+    budget_kb_per_s: float | None
+    out_kb_per_s: Measured
+    link: LinkState | None
+    lost: int
+    oldest: OldestTopic | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Live:
+    """The status of a robot, and what it does not say itself.
+
+    ``health`` is that of the topics of which there is something to say. ``accepted`` are words for each topic
+    that is accepted of operators, ``recording`` those for what is recorded, both in the status's order.
+    ``status_kb_per_s`` is what its statuses themselves take of the link at most. ``bounds`` say of topics
+    which bound of each property holds, what decided it, and whether that is in doubt. ``labels`` are what
+    decisions call the blocks, and ``checks`` the words of the checks, in the order of the status; empty and
+    null until the robot's rules were read. ``full_names`` are those of topics that its rules call otherwise.
+    """
+
+    kind: Literal["live"] = "live"
+    node: str
+    status: RuntimeStatus
+    status_kb_per_s: Measured
+    health: Mapping[str, HealthWords]
+    accepted: tuple[str, ...]
+    recording: str | None
+    bounds: Mapping[str, tuple[str, ...]]
+    labels: tuple[str, ...]
+    checks: tuple[RobotCheck | None, ...]
+    full_names: Mapping[str, str]
+
+
+def robot_summaries(robots: Iterable[SeenRobot], now_s: float) -> tuple[RobotSummary, ...]:
+    """A line for each robot, by node."""
+    return tuple(_robot(one, now_s) for one in sorted(robots, key=lambda one: one.status.robot_id))
+
+
+def live_model(seen: SeenRobot) -> Live:
+    """All that a page shows of a robot."""
+    status, words = seen.status, seen.words
+    bounds = {name: bound_texts(topic.within, topic.bound_reasons) for name, topic in status.topics.items()}
+    health = {name: topic_health(topic) for name, topic in status.topics.items()}
+    return Live(
+        node=status.robot_id,
+        status=status,
+        status_kb_per_s=seen.size_bytes * status.status_hz / BYTES_PER_KB,
+        health={
+            name: _words(health[name])
+            for name, topic in status.topics.items()
+            if topic.silence is not None or health[name].level is not DiagnosticLevel.OK
+        },
+        accepted=tuple(accepted_text(topic) for topic in status.accepted),
+        recording=None if status.incidents is None else recording_text(status.incidents),
+        bounds={name: texts for name, texts in bounds.items() if texts},
+        labels=tuple(words.labels.get((block.file, block.line, block.column), "") for block in status.blocks),
+        checks=tuple(check for _, check in written_checks(seen)),
+        full_names=words.full_names,
+    )
+
+
+def _words(health: Health) -> HealthWords:
+    return HealthWords(level=_LEVELS[health.level], summary=health.summary, message=health.message)
+
+
+def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
+    status = seen.status
+    health = node_health(status)
+    return RobotSummary(
+        node=status.robot_id,
+        label=robot_label(status),
+        is_heard=seen.is_heard(now_s),
+        heard_s_ago=max(now_s - seen.heard_s, 0.0),
+        health=None if health.level is DiagnosticLevel.OK else _words(health),
+        rules=status.rules,
+        topics=len(status.topics),
+        budget_kb_per_s=status.budget_kb_per_s,
+        out_kb_per_s=status.out_kb_per_s,
+        link=status.link,
+        lost=sum(_lost(topic.on_link) for topic in status.topics.values()),
+        oldest=_oldest(status),
+    )
+
+
+def robot_label(status: RuntimeStatus) -> str:
+    """Name that people call the robot by."""
+    return status.robot or status.node
+
+
+def _oldest(status: RuntimeStatus) -> OldestTopic | None:
+    ages_ms = {
+        name: topic.on_link.age_ms
+        for name, topic in status.topics.items()
+        if topic.on_link is not None and topic.on_link.age_ms is not None
+    }
+    oldest = max(ages_ms, key=lambda name: ages_ms[name], default=None)
+    return None if oldest is None else OldestTopic(topic=oldest, age_ms=ages_ms[oldest])
+
+
+def _lost(on_link: TopicOnLink | None) -> int:
+    """Messages that overflowed of a topic that still loses some, else 0."""
+    return on_link.counts.overflowed if on_link is not None and on_link.counts.is_losing else 0

@@ -1,0 +1,318 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Statements of the syntax tree as the page has them, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypedDict
+
+from smarttestudo.domain.finding import Span
+from smarttestudo.domain.rate import Tier
+from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
+from smarttestudo.language.formatter import number_text
+from smarttestudo.language.parser.values import duration_ns
+from smarttestudo.language.syntax import (
+    Action,
+    And,
+    Block,
+    Check,
+    Condition,
+    Duration,
+    Group,
+    KeepAtLeast,
+    KeepWithin,
+    Not,
+    Or,
+    RateExpression,
+    RateWord,
+    RecordIncident,
+    SetFrequency,
+    Statement,
+    Timed,
+    TopicName,
+    Until,
+)
+from smarttestudo.ruler.rules import statements as page
+from smarttestudo.ruler.rules.utf16 import Utf16
+
+_NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
+_UNNAMED = "Rule"
+
+
+class _Place(TypedDict):
+    id: str
+    key: str
+    comments: tuple[str, ...]
+    offset: int
+    end_offset: int
+    line: int
+
+
+class StatementWriter:
+    """Puts the statements of one document into the words of the page."""
+
+    def __init__(self, document: Document) -> None:
+        self._places = document.places
+        self._utf16 = Utf16(document.text)
+
+    def offset(self, characters: int) -> int:
+        """An offset as JavaScript counts it."""
+        return self._utf16.offset(characters)
+
+    def range(self, span: Span) -> tuple[int, int]:
+        """Where ``span`` starts and ends, as JavaScript counts it."""
+        start, end = self._places.range(span)
+        return self.offset(start), self.offset(end)
+
+    def entry(self, entry: Entry) -> page.Statement:
+        """One statement with its id and key."""
+        words = entry.token_range
+        start = self.offset(words.start)
+        place = _Place(
+            id=entry.id,
+            key=entry.key,
+            comments=tuple(comment_texts(entry.comments)),
+            offset=start,
+            end_offset=self.offset(words.end),
+            line=words.tokens[0].line,
+        )
+        match entry.statement:
+            case None:
+                return page.RawStatement(text=words.text[words.start : words.end], **place)
+            case SetFrequency() as one:
+                return _set_frequency(one, place)
+            case KeepWithin() as one:
+                return _keep_within(one, place)
+            case KeepAtLeast() as one:
+                return page.KeepStatement(topic=one.topic.text, hz=_hertz(one.rate), **place)
+            case Block() as block:
+                return page.RuleStatement(
+                    name=block.name,
+                    priority=block.priority or 0,
+                    is_disabled=block.is_disabled,
+                    label=block.label,
+                    condition=self._condition(block.condition, start),
+                    then=tuple(self._inner(one, start) for one in block.then),
+                    otherwise=tuple(self._inner(one, start) for one in block.otherwise),
+                    **place,
+                )
+
+    def _inner(self, one: Action, base: int) -> page.Action:
+        start, end = self.range(one.span)
+        place = _Place(
+            id="",
+            key="",
+            comments=tuple(comment_texts(one.trivia.above)),
+            offset=start - base,
+            end_offset=end - base,
+            line=one.span.line,
+        )
+        return _action(one, place)
+
+    def _condition(self, condition: Condition, base: int) -> page.Condition:
+        match condition:
+            case Timed():
+                return page.TimedCondition(
+                    term=self._condition(condition.operand, base),
+                    word=condition.word,
+                    duration=_duration(condition.duration),
+                )
+            case Check():
+                start, end = self.range(condition.span)
+                return page.CheckCondition(
+                    topic=condition.topic.text,
+                    property=condition.property,
+                    op=condition.operator,
+                    value=condition.value,
+                    until=_until(condition.until),
+                    offset=start - base,
+                    end_offset=end - base,
+                )
+            case Group():
+                return self._condition(condition.operand, base)
+            case Not():
+                return page.NotCondition(term=self._condition(condition.operand, base))
+            case And():
+                return page.AndCondition(terms=self._conditions(condition.operands, base))
+            case Or():
+                return page.OrCondition(terms=self._conditions(condition.operands, base))
+
+    def _conditions(self, conditions: Sequence[Condition], base: int) -> tuple[page.Condition, ...]:
+        return tuple(self._condition(one, base) for one in conditions)
+
+
+def _action(one: Action, place: _Place) -> page.Action:
+    match one:
+        case SetFrequency():
+            return _set_frequency(one, place)
+        case KeepWithin():
+            return _keep_within(one, place)
+        case RecordIncident():
+            return page.RecordStatement(
+                name=one.name,
+                topics=tuple(topic.text for topic in one.topics),
+                before=_duration(one.before),
+                after=_duration(one.after),
+                **place,
+            )
+
+
+def _set_frequency(one: SetFrequency, place: _Place) -> page.SetStatement:
+    return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), **place)
+
+
+def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
+    return page.WithinStatement(topic=one.topic.text, property=one.property, bound=one.bound, **place)
+
+
+def _duration(duration: Duration) -> page.DurationValue:
+    return page.DurationValue(value=float(duration.text), unit=duration.unit)
+
+
+def _until(until: Until | None) -> page.UntilValue | None:
+    return None if until is None else page.UntilValue(op=until.operator, value=until.value)
+
+
+def new_statement(model: page.Statement) -> NewStatement:
+    """Statement that a request asks to write. Raises ``EditError`` for what no rule file can say."""
+    return NewStatement(content=_content(model), comments=model.comments)
+
+
+def _content(model: page.Statement) -> Statement | str:
+    match model:
+        case page.RawStatement():
+            return model.text
+        case page.SetStatement():
+            return _set(model)
+        case page.WithinStatement():
+            return _within(model)
+        case page.KeepStatement():
+            rate = RateExpression(value=model.hz, text="", span=_NOWHERE)
+            return KeepAtLeast(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
+        case page.RuleStatement():
+            name = model.name
+            if name is None and model.priority:
+                name = model.label or _UNNAMED
+            return Block(
+                name=name,
+                priority=model.priority or None,
+                label=name or model.label,
+                condition=_read_condition(model.condition),
+                then=tuple(map(_read_action, model.then)),
+                otherwise=tuple(map(_read_action, model.otherwise)),
+                has_end_if=True,
+                is_disabled=model.is_disabled,
+                span=_NOWHERE,
+            )
+
+
+def _read_action(model: page.Action) -> Action:
+    match model:
+        case page.SetStatement():
+            return _set(model)
+        case page.WithinStatement():
+            return _within(model)
+        case page.RecordStatement():
+            return RecordIncident(
+                name=model.name,
+                topics=tuple(map(_topic, model.topics)),
+                before=_read_duration(model.before),
+                after=_read_duration(model.after),
+                span=_NOWHERE,
+            )
+
+
+def _set(model: page.SetStatement) -> SetFrequency:
+    rate = RateExpression(value=_rate_value(model.rate), text="", span=_NOWHERE)
+    return SetFrequency(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
+
+
+def _within(model: page.WithinStatement) -> KeepWithin:
+    return KeepWithin(
+        topic=_topic(model.topic),
+        property=model.property,
+        property_span=_NOWHERE,
+        bound=model.bound,
+        text="",
+        span=_NOWHERE,
+    )
+
+
+def _read_duration(model: page.DurationValue) -> Duration:
+    text = number_text(model.value)
+    return Duration(text=text, unit=model.unit, ns=duration_ns(text, model.unit), span=_NOWHERE)
+
+
+def _read_until(model: page.UntilValue | None) -> Until | None:
+    return None if model is None else Until(operator=model.op, value=model.value, text="", span=_NOWHERE)
+
+
+def _topic(name: str) -> TopicName:
+    return TopicName(text=name, span=_NOWHERE)
+
+
+def _read_condition(model: page.Condition) -> Condition:
+    match model:
+        case page.CheckCondition():
+            return Check(
+                topic=_topic(model.topic),
+                property=model.property,
+                property_span=_NOWHERE,
+                operator=model.op,
+                value=model.value,
+                text="",
+                span=_NOWHERE,
+                until=_read_until(model.until),
+            )
+        case page.TimedCondition():
+            return Timed(
+                operand=_read_condition(model.term),
+                word=model.word,
+                duration=_read_duration(model.duration),
+                span=_NOWHERE,
+            )
+        case page.NotCondition():
+            return Not(operand=_read_condition(model.term), span=_NOWHERE)
+        case page.AndCondition():
+            return _joined(And, model.terms)
+        case page.OrCondition():
+            return _joined(Or, model.terms)
+
+
+def _joined(kind: type[And | Or], terms: Sequence[page.Condition]) -> Condition:
+    if not terms:
+        raise EditError("an 'AND' or 'OR' has no conditions in it", remedy="put a check in it")
+    operands = [_read_condition(term) for term in terms]
+    if len(operands) == 1:
+        return operands[0]
+    grouped = (Group(operand=one, span=_NOWHERE) if isinstance(one, And | Or) else one for one in operands)
+    return kind(operands=tuple(grouped), span=_NOWHERE)
+
+
+def _rate(rate: RateExpression) -> page.Rate:
+    match rate.value:
+        case Tier():
+            return page.TierRate(value=rate.value)
+        case RateWord.FULL:
+            return page.FullRate()
+        case RateWord.OFF:
+            return page.OffRate()
+        case _:
+            return page.Hz(value=_hertz(rate))
+
+
+def _hertz(rate: RateExpression) -> float:
+    if isinstance(rate.value, Tier | RateWord):
+        raise TypeError(rate.value)
+    return rate.value
+
+
+def _rate_value(rate: page.Rate) -> float | Tier | RateWord:
+    match rate:
+        case page.Hz() | page.TierRate():
+            return rate.value
+        case page.FullRate():
+            return RateWord.FULL
+        case page.OffRate():
+            return RateWord.OFF

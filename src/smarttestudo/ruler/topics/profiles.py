@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The profiles of a project: their tables, which one rules are for, and new ones from bags and robots."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from itertools import islice
+from pathlib import Path, PurePosixPath
+
+from msgspec import Struct
+
+from smarttestudo.domain.errors import ProfileError, TestudoError
+from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.rate import MAX_RATE_HZ
+from smarttestudo.language.parser import ParseResult, parse
+from smarttestudo.optimizer.profiling import proposed_tiers_hz
+from smarttestudo.robot.profile import profile_of_robot
+from smarttestudo.robot.ros import open_robot
+from smarttestudo.ruler.files.project_folder import FileKind, ForbiddenPathError, ProjectFolder
+from smarttestudo.ruler.files.project_settings import SettingsFile
+from smarttestudo.ruler.files.recordings import BagRequest
+from smarttestudo.ruler.rules.edits import TextAnswer
+from smarttestudo.ruler.topics.profile_table import (
+    ProfileCheckAnswer,
+    ProfileEntryRequest,
+    ProfileParseRequest,
+    ProfileTable,
+    ProfileWriteRequest,
+    SixLevels,
+    read_table,
+    six_levels,
+    write_entry,
+    write_table,
+)
+from smarttestudo.ruler.topics.vocabulary import topics_in
+from smarttestudo.rules.profile_file import parse_profile
+
+_MAX_PROFILES = 200
+
+
+class ProfileForRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/for`` → ``ProfileForAnswer``: the profile for the rule file ``name``."""
+
+    text: str
+    name: str
+
+
+class ProfileForAnswer(Struct, frozen=True, kw_only=True):
+    """The name of a profile of the project; null where none is wanted, or none has to do with the rules.
+
+    ``gone`` is the one that was chosen for the rules, where it is no longer there.
+    """
+
+    name: str | None
+    gone: str | None = None
+
+
+class ProfileChosenRequest(Struct, frozen=True, kw_only=True):
+    """``PUT /api/profile/for`` → ``ProfileForAnswer``: what the rule file ``name`` goes with, or none."""
+
+    name: str
+    profile: str | None
+
+
+class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/measure-live`` → ``TextAnswer``: a profile of what the robot's nodes publish now.
+
+    ``run`` names it in the ``Progress`` messages of ``/ws``.
+    """
+
+    seconds: float
+    run: str = ""
+
+
+class LevelsRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/profile/levels`` → ``LevelsAnswer``: six levels for a source of ``source_hz``."""
+
+    source_hz: float
+
+
+class LevelsAnswer(Struct, frozen=True, kw_only=True):
+    """A first guess from the rate alone."""
+
+    tiers_hz: SixLevels
+
+
+class Profiles:
+    """The profiles and bags of ``folder``."""
+
+    def __init__(self, folder: ProjectFolder, settings: SettingsFile) -> None:
+        self._folder = folder
+        self._settings = settings
+
+    def choice(self, request: ProfileForRequest) -> ProfileForAnswer:
+        """The profile that somebody chose for the rules; else the one that they are most likely meant for."""
+        chosen = self._settings.read().profiles.get(request.name)
+        if chosen is not None and (not chosen or self._is_profile(chosen)):
+            return ProfileForAnswer(name=chosen or None)
+        rules = parse(request.text, request.name)
+        return ProfileForAnswer(name=profile_for(request.name, rules, dict(self._profiles())), gone=chosen)
+
+    def choose(self, request: ProfileChosenRequest) -> ProfileForAnswer:
+        """Remember the profile of a rule file, for everybody who opens the project."""
+        for name, kind in ((request.name, FileKind.RULES), (request.profile, FileKind.PROFILE)):
+            if name is None:
+                continue
+            self._folder.path(name)
+            if self._folder.kind(name) is not kind:
+                raise ForbiddenPathError(f"this is no file of {kind.value}", place=name)
+        self._settings.set_profile(request.name, request.profile or "")
+        return ProfileForAnswer(name=request.profile)
+
+    def _is_profile(self, name: str) -> bool:
+        with suppress(TestudoError):
+            return self._folder.kind(name) is FileKind.PROFILE and self._folder.path(name).is_file()
+        return False
+
+    def _profiles(self) -> Iterator[tuple[str, Profile]]:
+        """The profiles of the project that can be read; other programs have TOML files, too."""
+        files, _ = self._folder.files()
+        names = (one.name for one in files if one.kind is FileKind.PROFILE)
+        for name in islice(names, _MAX_PROFILES):
+            with suppress(TestudoError):
+                yield name, parse_profile(self._folder.read(name).text, Path(name))
+
+    def measured(self, request: BagRequest) -> TextAnswer:
+        """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
+        from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
+        from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
+
+        with open_recording(self._folder.bag(request.bag)) as recording:
+            return TextAnswer(text=profile_of_recording(recording, name=request.bag))
+
+
+def profile_for(name: str, rules: ParseResult, profiles: Mapping[str, Profile]) -> str | None:
+    """Of ``profiles``, by name, the one for the rule file ``name``; ``None`` where none has to do with it.
+
+    That is the one of the same name; else the one that knows the most of the rules' topics, of equals one in
+    the same folder. Rules without a topic yet are at home in their folder.
+    """
+    own = PurePosixPath(name)
+    topics = {resolve_topic(topic) for topic in topics_in(rules)}
+
+    def merits(candidate: str) -> tuple[bool, int, bool]:
+        path = PurePosixPath(candidate)
+        is_near = path.parent == own.parent
+        return is_near and path.stem == own.stem, len(topics & set(profiles[candidate].topics)), is_near
+
+    best = max(sorted(profiles), key=merits, default=None)
+    if best is None:
+        return None
+    is_namesake, known, is_near = merits(best)
+    return best if is_namesake or known > 0 or (is_near and not topics) else None
+
+
+def measured_on_robots(*, seconds: float, timeout_s: float, report: Callable[[float], None]) -> TextAnswer:
+    """A profile of what is published during ``seconds``; ``timeout_s`` is the wait for the first topic.
+
+    ``report`` is told which share is done. Raises ``TestudoError`` where nothing can be measured.
+    """
+    with open_robot(name=f"testudo_ruler_profile_{os.getpid()}") as robot:
+        profile = profile_of_robot(
+            robot, seconds=seconds, timeout_s=timeout_s, steady_s=time.monotonic, report=report
+        )
+    return TextAnswer(text=profile.text)
+
+
+def table_of(request: ProfileParseRequest) -> ProfileTable:
+    """A profile as a table."""
+    return read_table(request.text, Path(request.name))
+
+
+def with_entry(request: ProfileEntryRequest) -> TextAnswer:
+    """The text of a profile with one more entry; ``ProfileError`` where no profile can hold that."""
+    path = Path(request.name)
+    return TextAnswer(
+        text=write_entry(request.text, path, topic=request.topic, key=request.key, value=request.value)
+    )
+
+
+def written(request: ProfileWriteRequest) -> TextAnswer:
+    """A table as a profile."""
+    return TextAnswer(text=write_table(request, request.base_text, Path(request.name)))
+
+
+def checked(request: ProfileWriteRequest) -> ProfileCheckAnswer:
+    """Whether ``written`` would do it, for a table that is being typed."""
+    try:
+        written(request)
+    except ProfileError as error:
+        return ProfileCheckAnswer(problem=error.cause)
+    return ProfileCheckAnswer(problem="")
+
+
+def levels_of_rate(request: LevelsRequest) -> LevelsAnswer:
+    """Six levels to begin with, where nothing but the rate of the source is known."""
+    if not 0 < request.source_hz <= MAX_RATE_HZ:
+        raise ProfileError(
+            f"a source of {request.source_hz:g} Hz has no levels",
+            remedy=f"give a rate above 0, up to {MAX_RATE_HZ:g} Hz",
+        )
+    return LevelsAnswer(tiers_hz=six_levels(proposed_tiers_hz(request.source_hz)))

@@ -1,0 +1,198 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Values of a check over a recording, and when it and its condition hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from msgspec import Struct
+
+from smarttestudo.bags.reader import open_recording
+from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.recording import Channel
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.units import NS_PER_S, grouped
+from smarttestudo.editing import inserted_all, read_document
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.replays.replay import ReplayRequest, replay
+from smarttestudo.ruler.rules.checked_text import Draft, require_usable
+from smarttestudo.ruler.rules.statement_trees import new_statement
+from smarttestudo.ruler.rules.statements import (
+    CheckCondition,
+    Condition,
+    FullRate,
+    RuleStatement,
+    SetStatement,
+    TimedCondition,
+)
+from smarttestudo.ruler.tries.try_rules import compiled_for
+from smarttestudo.ruler.tries.watches import BlockTurns, TruthWatch, WritesNothing
+
+MAX_BINS = 1000
+MAX_TURNS = 2000
+
+
+class CheckCourseRequest(Struct, frozen=True, kw_only=True):
+    """``POST /api/check/course`` → ``CheckCourse``: a check over a bag, and the ``For`` or ``Within`` on it.
+
+    ``run`` names the work in ``Progress`` messages of ``/ws``. ``profile_text`` says how levels are read.
+    """
+
+    bag: str
+    condition: Condition
+    profile_text: str | None = None
+    run: str = ""
+
+
+class CheckCourseOrder(Draft, frozen=True, kw_only=True):
+    """The same as rules of one file: the first is the check, the last the condition; ``bag`` is a path."""
+
+    bag: str
+    run: str = ""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CheckCourse:
+    """The values of a check's property in bins of ``bin_s``, and what held when; times are since the start.
+
+    ``least`` and ``greatest`` are those that the check met in each bin, null where it was unknown
+    throughout. ``check`` and ``condition`` say what each turned to when, in at most 2000 turns.
+    """
+
+    duration_s: float
+    bin_s: float
+    least: tuple[float | None, ...]
+    greatest: tuple[float | None, ...]
+    check: BlockTurns
+    condition: BlockTurns
+    notices: tuple[str, ...]
+
+
+def check_course_order(request: CheckCourseRequest, bag: Path) -> CheckCourseOrder:
+    """The order of ``request`` for the recording at ``bag``.
+
+    Raises:
+        EditError: the condition cannot be written.
+        RefusedTextError: it has errors.
+        UsageError: it is no check, nor a ``For`` or ``Within`` on one.
+    """
+    check = _check_in(request.condition)
+    conditions = [check] if request.condition is check else [check, request.condition]
+    full = SetStatement(topic=check.topic, rate=FullRate())
+    rules = [
+        new_statement(RuleStatement(name="Check", condition=condition, then=(full,), otherwise=()))
+        for condition in conditions
+    ]
+    empty = read_document("begin\nend\n", "check.adirf")
+    text = inserted_all(empty, empty.parts[-1].id, 0, rules)
+    order = CheckCourseOrder(
+        text=text, name="check.adirf", profile_text=request.profile_text, bag=str(bag), run=request.run
+    )
+    require_usable(order)
+    return order
+
+
+def check_course(order: CheckCourseOrder, report: Callable[[float], None]) -> CheckCourse:
+    """Replay the bag with that check alone; ``report`` gets the share done. Raises ``RecordingError``."""
+    with open_recording(Path(order.bag)) as recording:
+        rule_set = compiled_for(order, recording)
+        truths = TruthWatch(rule_set, recording.start_ns, max_turns=MAX_TURNS)
+        values = _ValueWatch(_signal_of(rule_set), recording.start_ns, recording.end_ns)
+
+        def stepped(now_ns: int, loop: RelayLoop) -> None:
+            truths.stepped(now_ns, loop)
+            values.stepped(now_ns, loop)
+
+        outcome = replay(
+            ReplayRequest(
+                recording=recording,
+                rule_set=rule_set,
+                output=Path(),
+                profile=order.profile() or Profile(),
+                report=report,
+                writer=WritesNothing(),
+                arrived=values.arrived,
+                stepped=stepped,
+            )
+        )
+        values.finish()
+    check, condition = truths.blocks[0], truths.blocks[-1]
+    return CheckCourse(
+        duration_s=outcome.duration_s,
+        bin_s=values.width_ns / NS_PER_S,
+        least=tuple(values.least),
+        greatest=tuple(values.greatest),
+        check=check,
+        condition=condition,
+        notices=(*outcome.notices, *_cut(truths)),
+    )
+
+
+def _cut(truths: TruthWatch) -> Iterator[str]:
+    if truths.cut_s is not None:
+        after = f"what holds after {grouped(truths.cut_s, 1)} s is left out"
+        yield f"it turned more than {grouped(MAX_TURNS)} times; {after}"
+
+
+class _ValueWatch:
+    """The least and the greatest value of ``signal`` in each bin, as the evaluator is given it."""
+
+    def __init__(self, signal: Signal, start_ns: int, end_ns: int) -> None:
+        self._signal = signal
+        self._start_ns, self._end_ns = start_ns, end_ns
+        self.width_ns = max(-(-(end_ns - start_ns) // MAX_BINS), 1)
+        count = max(-(-(end_ns - start_ns) // self.width_ns), 1)
+        self.least: list[float | None] = [None] * count
+        self.greatest: list[float | None] = [None] * count
+        self._loop: RelayLoop | None = None
+        self._due_ns = start_ns
+        self._bin = 0
+        self._value: float | None = None
+
+    def arrived(self, _channel: Channel, stamp_ns: int, _payload: bytes) -> None:
+        """Time passed: a value may have aged, or be unknown by now."""
+        if self._loop is not None and stamp_ns >= self._due_ns:
+            self.stepped(stamp_ns, self._loop)
+
+    def stepped(self, now_ns: int, loop: RelayLoop) -> None:
+        """Read the value; it was that one in all bins since the last call."""
+        self._loop = loop
+        bin_ = max(min((now_ns - self._start_ns) // self.width_ns, len(self.least) - 1), 0)
+        for held in range(self._bin, bin_ + 1):
+            self._add(held, self._value)
+        self._bin, self._value = bin_, self._read(loop, now_ns)
+        self._add(bin_, self._value)
+        self._due_ns = self._start_ns + (bin_ + 1) * self.width_ns
+
+    def _add(self, bin_: int, value: float | None) -> None:
+        if value is None:
+            return
+        least, greatest = self.least[bin_], self.greatest[bin_]
+        self.least[bin_] = value if least is None else min(least, value)
+        self.greatest[bin_] = value if greatest is None else max(greatest, value)
+
+    def finish(self) -> None:
+        """The recording ended."""
+        if self._loop is not None:
+            self.stepped(self._end_ns, self._loop)
+
+    def _read(self, loop: RelayLoop, now_ns: int) -> float | None:
+        readings = loop.knowledge.watched[self._signal.topic].readings(loop.knowledge.time.at(now_ns))
+        return dict(readings)[self._signal]
+
+
+def _signal_of(rule_set: RuleSet) -> Signal:
+    return rule_set.written[0].checks[0].signal
+
+
+def _check_in(condition: Condition) -> CheckCondition:
+    while isinstance(condition, TimedCondition):
+        condition = condition.term
+    if not isinstance(condition, CheckCondition):
+        raise UsageError("this is no check, nor a time of one", place="condition")
+    return condition
