@@ -22,7 +22,7 @@ from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.incidents.robot_incidents import RobotIncidents
 from smarttestudo.ruler.robots.link import RobotLink
-from smarttestudo.ruler.server import socket
+from smarttestudo.ruler.server import live
 from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
 from smarttestudo.ruler.server.child_work import TryApi
 from smarttestudo.ruler.server.errors import ErrorAnswer
@@ -51,15 +51,15 @@ def types_text() -> str:
     """The whole file."""
     project = ProjectFolder(Path())
     routes = [
-        *api_routes(project, RobotLink(partial(open_graph_robots, "")), socket.Listeners()),
-        *trial_routes(TryApi(project, socket.Listeners()), Keepings(project)),
+        *api_routes(project, RobotLink(partial(open_graph_robots, "")), live.Listeners()),
+        *trial_routes(TryApi(project, live.Listeners()), Keepings(project)),
         *robot_incident_routes(RobotIncidents(project, None)),
     ]
-    asked: list[type] = [socket.Watch, *(route.asked for route in routes if route.asked is not None)]
+    asked: list[type] = [live.Watch, *(route.asked for route in routes if route.asked is not None)]
     writer = _Writer(_reached(asked))
-    for root in (*asked, *(route.answered for route in routes), ErrorAnswer, socket.Push):
+    for root in (*asked, *(route.answered for route in routes), ErrorAnswer, live.Push):
         writer.word(root)
-    number = f"export const PROTOCOL_VERSION = {socket.PROTOCOL_VERSION};"
+    number = f"export const PROTOCOL_VERSION = {live.PROTOCOL_VERSION};"
     protocol = f"/** The protocol of the web socket. */\n{number}\n"
     return "\n".join(
         [HEAD, protocol, *(text for _, text in sorted(writer.written.items())), _routes_text(routes)]

@@ -27,8 +27,8 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "From Python": ("api.py",),
     "The demo": ("simulation/demo", "simulation/simulate.py"),
     "The Ruler's page": (
-        "ruler/rules", "ruler/topics", "ruler/tries", "ruler/robots", "ruler/incidents", "ruler/server", "ruler/page_words.py",
-        "language", "checks", "editing",
+        "ruler/rules", "ruler/topics", "ruler/tries", "ruler/robots", "ruler/incidents", "ruler/server",
+        "ruler/page_words.py", "language", "checks", "editing",
     ),
 }  # fmt: skip
 """Folders and files of the code, by where a user meets their texts."""

@@ -23,7 +23,7 @@ from smarttestudo import __version__
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.ruler.files.project import ProjectFiles
-from smarttestudo.ruler.server.permission import only_reads
+from smarttestudo.ruler.server.guard import only_reads
 
 PAGE_TESTS = Path(__file__).parents[2] / "gui" / "tests" / "page"
 ANSWERS = PAGE_TESTS / "answers"

@@ -14,7 +14,7 @@ import pytest
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import Page, served
 from smarttestudo.domain.signal import Truth
-from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.tries.check_course import (
     CheckCourse,
     CheckCourseRequest,

@@ -17,7 +17,7 @@ from ruler.ruler_server import EXAMPLES
 from smarttestudo.language.formatter import format_file, format_rules
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.syntax import Block, RuleFile, SetFrequency, Statement
-from smarttestudo.ruler.rules.difference import differences, mean_the_same
+from smarttestudo.ruler.rules.versions import differences, mean_the_same
 
 WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
 

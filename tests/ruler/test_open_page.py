@@ -10,7 +10,7 @@ from typing import cast
 
 from starlette.websockets import WebSocket
 
-from smarttestudo.ruler.server.socket import OpenPage, Watch
+from smarttestudo.ruler.server.live import OpenPage, Watch
 
 
 class SlowBrowser:

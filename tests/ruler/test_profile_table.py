@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from smarttestudo.domain.errors import ProfileError
-from smarttestudo.ruler.topics.profile_table import (
+from smarttestudo.ruler.topics.profiles import (
     ProfileRow,
     ProfileTable,
     read_table,

@@ -16,8 +16,7 @@ from smarttestudo.editing import EditError
 from smarttestudo.editing.document import condition_meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
-from smarttestudo.ruler.rules.checked_text import Draft
-from smarttestudo.ruler.rules.difference import differences, mean_the_same
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.rules.edits import EditedTexts, EditRequest, Insert, Replace
 from smarttestudo.ruler.rules.sharing import ExportRequest, exported
 from smarttestudo.ruler.rules.statements import (
@@ -37,6 +36,7 @@ from smarttestudo.ruler.rules.statements import (
     UntilValue,
     WithinStatement,
 )
+from smarttestudo.ruler.rules.versions import differences, mean_the_same
 from smarttestudo.ruler.topics.vocabulary import VocabularyRequest, topics_in, vocabulary
 
 TEXT = """\

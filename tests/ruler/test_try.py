@@ -25,7 +25,7 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
-from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.tries.try_rules import TrialLimits, TryAnswer, try_rules
 
 STATEMENTS = """\

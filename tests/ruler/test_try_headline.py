@@ -26,10 +26,17 @@ from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.accuracy.loss_report import Age, ErrorSize, Frames, TopicArm
 from smarttestudo.ruler.answer_json import answer_json
 from smarttestudo.ruler.child_process import ChildWork
-from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
-from smarttestudo.ruler.tries.headline import TriedRecording, worst_field, worst_topic
-from smarttestudo.ruler.tries.loss import TryFieldLoss, TryImages, TryLoss, TryTopicLoss
+from smarttestudo.ruler.tries.loss import (
+    TriedRecording,
+    TryFieldLoss,
+    TryImages,
+    TryLoss,
+    TryTopicLoss,
+    worst_field,
+    worst_topic,
+)
 from smarttestudo.ruler.tries.try_rules import TryRequest, try_rules
 
 RULES = """\

@@ -11,9 +11,8 @@ from urllib.parse import quote
 import pytest
 
 from ruler.ruler_server import Answer, Page, served
-from smarttestudo.ruler.files.project import ProjectFiles, SaveRequest
+from smarttestudo.ruler.files.project import ProjectFiles, SaveRequest, SettingsFile
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.files.project_settings import SettingsFile
 from smarttestudo.ruler.files.version_store import MAX_VERSIONS, VersionStore
 
 RULES = "begin\n    SetFrequency /odom 10\nend\n"

@@ -23,7 +23,7 @@ from smarttestudo.ruler.robots.link import RobotLink
 from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
 from smarttestudo.ruler.server.child_work import TryApi
 from smarttestudo.ruler.server.keeping import Keepings
-from smarttestudo.ruler.server.socket import Listeners
+from smarttestudo.ruler.server.live import Listeners
 
 RULES = "begin\n    SetFrequency /odom 5\nend\n"
 TOKEN, WATCH_TOKEN = "may-change", "may-watch"

@@ -50,20 +50,19 @@ def _main(work: ChildWork) -> int:
                 TryRequest, lambda order, report: tried_recording(order, Path(order.bag), report)
             )
         case ChildWork.CURVE:
-            from smarttestudo.ruler.topics.curve import CurveRequest, measured_curve  # noqa: PLC0415
+            from smarttestudo.ruler.topics.curves import CurveRequest, measured_curve  # noqa: PLC0415
 
             return answer_order(
                 CurveRequest, lambda order, report: measured_curve(Path(order.bag), order.topic, report)
             )
         case ChildWork.ACCURACY:
-            from smarttestudo.ruler.topics.accuracy_curve import measured_needs  # noqa: PLC0415
-            from smarttestudo.ruler.topics.curve import CurveRequest  # noqa: PLC0415
+            from smarttestudo.ruler.topics.curves import CurveRequest, measured_needs  # noqa: PLC0415
 
             return answer_order(
                 CurveRequest, lambda order, report: measured_needs(Path(order.bag), order.topic, report)
             )
         case ChildWork.INCIDENT:
-            from smarttestudo.ruler.incidents.course import IncidentCourseRequest, incident_course  # noqa: PLC0415
+            from smarttestudo.ruler.incidents.incidents import IncidentCourseRequest, incident_course  # noqa: PLC0415
 
             return answer_order(
                 IncidentCourseRequest, lambda order, report: incident_course(Path(order.name), report)

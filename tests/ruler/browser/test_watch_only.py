@@ -12,7 +12,7 @@ from playwright.sync_api import Locator, expect
 
 from axe import violations
 from ruler.browser.ruler_page import RulerPage, served
-from smarttestudo.ruler.files.project_settings import SETTINGS_FILE
+from smarttestudo.ruler.files.project import SETTINGS_FILE
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser

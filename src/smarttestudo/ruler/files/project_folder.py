@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The one folder that the Ruler reads and writes; nothing outside it can be named."""
+"""The one folder that the Ruler reads and writes."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import os
 import re
 import stat
 import threading
+import unicodedata
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,8 +22,26 @@ from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.files.input_file import read_input, require_file
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import OutputFileError
-from smarttestudo.ruler.files.entry_names import is_nameable, is_shown
 from smarttestudo.rules.rule_files import write_rule_text
+
+_DRIVE = re.compile(r"[A-Za-z]:")
+_UNSHOWN = frozenset({"Cc", "Cs", "Zl", "Zp"})
+_SKIPPED = frozenset({"node_modules", "__pycache__", "build", "install", "log"})
+
+
+def is_nameable(name: str) -> bool:
+    """Whether a page may name a file or folder so: one line of text that means the same path everywhere.
+
+    It has no control characters, which neither a page nor a log can show, and names no drive.
+    """
+    is_one_line = not any(unicodedata.category(one) in _UNSHOWN for one in name)
+    return is_one_line and "\\" not in name and not _DRIVE.match(name)
+
+
+def is_shown(name: str) -> bool:
+    """Whether files of a folder of this name are shown."""
+    return not name.startswith(".") and name not in _SKIPPED
+
 
 MAX_TEXT_BYTES = 1_000_000
 MAX_FILES = 2000

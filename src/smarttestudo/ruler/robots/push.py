@@ -16,9 +16,9 @@ from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.language.parser import parse
 from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
-from smarttestudo.ruler.rules.checked_text import Draft
-from smarttestudo.ruler.rules.difference import differences, mean_the_same
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.rules.sharing import download_text
+from smarttestudo.ruler.rules.versions import differences, mean_the_same
 from smarttestudo.rules.rule_files import PREVIOUS_SUFFIX
 
 _TEXT, _HASH, _CONFIRM, _IN_FORCE = "rules_text", "rules_hash", "confirm_hash", "rules_in_force"

@@ -10,16 +10,29 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
+
+from msgspec import Struct
 
 from smarttestudo.domain.decision import bound_texts
 from smarttestudo.domain.link import LinkState, TopicOnLink
+from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.record import Measured
 from smarttestudo.domain.robot import DiagnosticLevel
-from smarttestudo.domain.status import RulesInForce, RuntimeStatus
+from smarttestudo.domain.status import RulesInForce, RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB
+from smarttestudo.optimizer.profiling import proposed_tiers_hz, rounded
 from smarttestudo.robot.diagnostics import Health, accepted_text, node_health, recording_text, topic_health
+from smarttestudo.ruler.files.recordings import defaults_text
 from smarttestudo.ruler.robots.watch import RobotCheck, SeenRobot, written_checks
+from smarttestudo.ruler.topics.profiles import (
+    ProfileRow,
+    ProfileTable,
+    SixLevels,
+    six_levels,
+    write_table,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -168,3 +181,40 @@ def _oldest(status: RuntimeStatus) -> OldestTopic | None:
 def _lost(on_link: TopicOnLink | None) -> int:
     """Messages that overflowed of a topic that still loses some, else 0."""
     return on_link.counts.overflowed if on_link is not None and on_link.counts.is_losing else 0
+
+
+class RobotStartAnswer(Struct, frozen=True, kw_only=True):
+    """The topics that a robot relays, a rule file that relays every message of them, and their profile."""
+
+    topics: tuple[str, ...]
+    rules_text: str
+    profile_text: str
+
+
+def robot_start(status: RuntimeStatus) -> RobotStartAnswer:
+    """Start from the types, rates and sizes in ``status``; what it does not know is left out."""
+    topics = sorted(status.topics)
+    rows = tuple(_row(topic, status.topics[topic]) for topic in topics)
+    table = ProfileTable(rows=rows, budget_kb_per_s=status.budget_kb_per_s)
+    return RobotStartAnswer(
+        topics=tuple(topics),
+        rules_text=defaults_text(topics, "relayed"),
+        profile_text=write_table(table, "", Path("profile.toml")),
+    )
+
+
+def _row(topic: str, status: TopicStatus) -> ProfileRow:
+    source_hz = None if not status.source_hz else rounded(status.source_hz)
+    is_sized = source_hz is not None and status.in_kb_per_s > 0
+    return ProfileRow(
+        topic=topic,
+        type=status.type_name,
+        source_hz=source_hz,
+        message_kb=rounded(status.in_kb_per_s / source_hz) if is_sized and source_hz else None,
+        tiers_hz=None if source_hz is None else _levels(source_hz),
+    )
+
+
+def _levels(source_hz: float) -> SixLevels | None:
+    levels = proposed_tiers_hz(source_hz)
+    return six_levels(levels) if min(levels) >= RATE_STEP_HZ else None

@@ -21,7 +21,7 @@ from smarttestudo.ruler.robots.push import (
     RobotRequest,
     WriteAnswer,
 )
-from smarttestudo.ruler.robots.start import RobotStartAnswer, robot_start
+from smarttestudo.ruler.robots.view import RobotStartAnswer, robot_start
 
 
 class UnknownRobotError(RosError):

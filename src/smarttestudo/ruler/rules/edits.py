@@ -22,14 +22,25 @@ from smarttestudo.editing import (
     replaced,
 )
 from smarttestudo.language.formatter import format_rules
-from smarttestudo.ruler.rules.checked_text import CheckedText, Draft, check_text
-from smarttestudo.ruler.rules.documents import RuleDocument, Substitute, rule_document
+from smarttestudo.ruler.rules.document import (
+    CheckedText,
+    Draft,
+    RuleDocument,
+    Substitute,
+    check_text,
+    rule_document,
+)
 from smarttestudo.ruler.rules.sharing import ExportRequest, ImportRequest, exported, imported
-from smarttestudo.ruler.rules.statement_trees import new_statement
+from smarttestudo.ruler.rules.statement_trees import Utf16, new_statement
 from smarttestudo.ruler.rules.statements import Statement
-from smarttestudo.ruler.rules.utf16 import Utf16
-from smarttestudo.ruler.rules.zone_edits import MoveZone, NewZone, ResizeZone, zone_edited
-from smarttestudo.ruler.rules.zones import ZonesAnswer, zones_answer
+from smarttestudo.ruler.rules.zones import (
+    MoveZone,
+    NewZone,
+    ResizeZone,
+    ZonesAnswer,
+    zone_edited,
+    zones_answer,
+)
 
 _TEXTS_KEPT = 4
 

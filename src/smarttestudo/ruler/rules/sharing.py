@@ -26,14 +26,15 @@ from smarttestudo.editing import (
 from smarttestudo.language.formatter import first_line_end
 from smarttestudo.language.syntax import Block, KeepAtLeast, KeepWithin, SetFrequency, Statement
 from smarttestudo.optimizer.model import Model
-from smarttestudo.ruler.rules.checked_text import (
+from smarttestudo.ruler.rules.document import (
     Draft,
+    RuleDocument,
     check_sound,
     require_sound,
     require_usable,
+    rule_document,
 )
-from smarttestudo.ruler.rules.documents import RuleDocument, rule_document
-from smarttestudo.ruler.rules.optimizing import optimize_draft
+from smarttestudo.ruler.rules.optimize import optimize_draft
 from smarttestudo.rules.rule_sets import has_tiers
 
 

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statements of the syntax tree as the page has them, and back."""
+"""Statements of a document in the words of the page, and back."""
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from typing import TypedDict
 
@@ -34,7 +35,26 @@ from smarttestudo.language.syntax import (
     Until,
 )
 from smarttestudo.ruler.rules import statements as page
-from smarttestudo.ruler.rules.utf16 import Utf16
+
+_LAST_SINGLE = "\uffff"
+
+
+class Utf16:
+    """Turns offsets into ``text`` from characters to UTF-16 code units, and back."""
+
+    def __init__(self, text: str) -> None:
+        is_wide = not text.isascii() and max(text) > _LAST_SINGLE
+        self._pairs = [at for at, character in enumerate(text) if character > _LAST_SINGLE] if is_wide else []
+
+    def offset(self, characters: int) -> int:
+        """The code units before the character number ``characters``."""
+        return characters + bisect_left(self._pairs, characters)
+
+    def characters(self, offset: int) -> int:
+        """The characters before the code unit number ``offset``; within a pair, those before the pair."""
+        ends = (at + number + 1 for number, at in enumerate(self._pairs))
+        return offset - sum(end <= offset for end in ends)
+
 
 _NOWHERE = Span(line=1, column=1, end_line=1, end_column=1)
 _UNNAMED = "Rule"

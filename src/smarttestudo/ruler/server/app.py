@@ -23,13 +23,17 @@ from smarttestudo.ruler.files.project import (
     ProjectFiles,
     RenameRequest,
     SaveRequest,
+    SettingsFile,
     SettingsRequest,
 )
 from smarttestudo.ruler.files.project_folder import ProjectFolder
-from smarttestudo.ruler.files.project_settings import SettingsFile
 from smarttestudo.ruler.files.recordings import BagRequest, ReceivedAnswer, Recordings
-from smarttestudo.ruler.incidents.course import IncidentCourse, IncidentCourseRequest
-from smarttestudo.ruler.incidents.incidents import KnownIncidents, OneIncidentRequest
+from smarttestudo.ruler.incidents.incidents import (
+    IncidentCourse,
+    IncidentCourseRequest,
+    KnownIncidents,
+    OneIncidentRequest,
+)
 from smarttestudo.ruler.incidents.robot_incidents import (
     OpenIncidents,
     RobotIncidentRequest,
@@ -39,10 +43,9 @@ from smarttestudo.ruler.robots.checks import RobotChecksRequest
 from smarttestudo.ruler.robots.link import OpenRobots, RobotLink
 from smarttestudo.ruler.robots.push import PushedRequest, PushRequest, RobotRequest
 from smarttestudo.ruler.robots.watched_robots import WatchedRobots
-from smarttestudo.ruler.rules import edits, optimize_answer, sharing, versions, zone_edits
-from smarttestudo.ruler.rules.checked_text import Draft
+from smarttestudo.ruler.rules import edits, optimize, sharing, versions, zones
+from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.rules.edits import TextAnswer
-from smarttestudo.ruler.server.bodies import read_query
 from smarttestudo.ruler.server.child_work import (
     CheckApi,
     CurveApi,
@@ -54,18 +57,16 @@ from smarttestudo.ruler.server.downloads import sending_zip
 from smarttestudo.ruler.server.errors import GONE, RequestError, error_answer
 from smarttestudo.ruler.server.guard import Guard, ServerAddress
 from smarttestudo.ruler.server.keeping import Keepings
-from smarttestudo.ruler.server.live_feed import LiveFeed
+from smarttestudo.ruler.server.live import Listeners, LiveFeed
 from smarttestudo.ruler.server.page import documentation_routes, page_files
-from smarttestudo.ruler.server.routes import ApiRoute, Handler, answering, long_work, telling
-from smarttestudo.ruler.server.socket import Listeners
+from smarttestudo.ruler.server.routes import ApiRoute, Handler, answering, long_work, read_query, telling
 from smarttestudo.ruler.server.uploads import receiving
-from smarttestudo.ruler.topics import profile_table, profiles
-from smarttestudo.ruler.topics.accuracy_curve import AccuracyNeeds
-from smarttestudo.ruler.topics.curve import Curve, CurveRequest
+from smarttestudo.ruler.topics import profiles
+from smarttestudo.ruler.topics.curves import AccuracyNeeds, Curve, CurveRequest
 from smarttestudo.ruler.topics.vocabulary import Vocabulary, VocabularyRequest, vocabulary
 from smarttestudo.ruler.tries.check_course import CheckCourse, CheckCourseRequest
-from smarttestudo.ruler.tries.headline import TriedRecording
 from smarttestudo.ruler.tries.incident_keeping import KeepEndRequest, KeepRequest, KeepsAnswer
+from smarttestudo.ruler.tries.loss import TriedRecording
 from smarttestudo.ruler.tries.try_rules import TryAnswer, TryRequest
 
 _PNG = "image/png"
@@ -200,8 +201,8 @@ def _rule_routes(texts: edits.EditedTexts, robots: WatchedRobots) -> Iterator[Ap
     yield answering("/api/import", sharing.ImportRequest, texts.import_rules)
     yield answering("/api/import/preview", sharing.ImportPreviewRequest, sharing.import_preview)
     yield answering("/api/zones", Draft, texts.zones)
-    yield answering("/api/zones/cover", zone_edits.CoverRequest, zone_edits.cover)
-    yield answering("/api/optimize", optimize_answer.OptimizeRequest, optimize_answer.optimize)
+    yield answering("/api/zones/cover", zones.CoverRequest, zones.cover)
+    yield answering("/api/optimize", optimize.OptimizeRequest, optimize.optimize)
     yield answering("/api/vocabulary", VocabularyRequest, words)
 
 
@@ -214,10 +215,10 @@ def _background_routes(backgrounds: Backgrounds) -> Iterator[ApiRoute]:
 def _profile_routes(known: profiles.Profiles) -> Iterator[ApiRoute]:
     yield answering("/api/profile/for", profiles.ProfileForRequest, known.choice)
     yield answering("/api/profile/for", profiles.ProfileChosenRequest, known.choose, method="PUT")
-    yield answering("/api/profile/parse", profile_table.ProfileParseRequest, profiles.table_of)
-    yield answering("/api/profile/write", profile_table.ProfileWriteRequest, profiles.written)
-    yield answering("/api/profile/entry", profile_table.ProfileEntryRequest, profiles.with_entry)
-    yield answering("/api/profile/check", profile_table.ProfileWriteRequest, profiles.checked)
+    yield answering("/api/profile/parse", profiles.ProfileParseRequest, profiles.table_of)
+    yield answering("/api/profile/write", profiles.ProfileWriteRequest, profiles.written)
+    yield answering("/api/profile/entry", profiles.ProfileEntryRequest, profiles.with_entry)
+    yield answering("/api/profile/check", profiles.ProfileWriteRequest, profiles.checked)
     yield answering("/api/profile/measure", BagRequest, known.measured)
     yield answering("/api/profile/levels", profiles.LevelsRequest, profiles.levels_of_rate)
 

@@ -25,21 +25,20 @@ from smarttestudo.ruler.answer_json import answer_json
 from smarttestudo.ruler.child_messages import Done, Failure, Share
 from smarttestudo.ruler.child_process import ChildWork, MeasureOrder
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.incidents.course import IncidentCourseRequest
-from smarttestudo.ruler.incidents.incidents import KnownIncidents
+from smarttestudo.ruler.incidents.incidents import IncidentCourseRequest, KnownIncidents
 from smarttestudo.ruler.page_words import in_page_words
-from smarttestudo.ruler.rules.checked_text import require_usable
-from smarttestudo.ruler.server.encodings import json_answer
+from smarttestudo.ruler.rules.document import require_usable
 from smarttestudo.ruler.server.errors import GONE, RequestError
-from smarttestudo.ruler.server.socket import Listeners, Progress
-from smarttestudo.ruler.topics.curve import CurveRequest
+from smarttestudo.ruler.server.live import Listeners, Progress
+from smarttestudo.ruler.server.routes import json_answer
+from smarttestudo.ruler.topics.curves import CurveRequest
 from smarttestudo.ruler.topics.profiles import MeasureLiveRequest
 from smarttestudo.ruler.tries.check_course import (
     CheckCourseOrder,
     CheckCourseRequest,
     check_course_order,
 )
-from smarttestudo.ruler.tries.headline import TriedRecording
+from smarttestudo.ruler.tries.loss import TriedRecording
 from smarttestudo.ruler.tries.try_rules import TryRequest
 
 _MODULE = ChildWork.__module__

@@ -18,8 +18,7 @@ from smarttestudo.ruler.files.project_folder import (
 )
 from smarttestudo.ruler.page_words import in_page_words
 from smarttestudo.ruler.robots.watched_robots import UnknownRobotError
-from smarttestudo.ruler.rules.checked_text import RefusedTextError
-from smarttestudo.ruler.rules.documents import PlacedFinding, placed_findings
+from smarttestudo.ruler.rules.document import PlacedFinding, RefusedTextError, placed_findings
 
 JSON = "application/json"
 GONE = 499

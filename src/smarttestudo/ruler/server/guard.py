@@ -11,18 +11,109 @@ from __future__ import annotations
 import secrets
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 from http.cookies import CookieError, SimpleCookie
 from ipaddress import ip_address
 from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import RedirectResponse
+from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
 from smarttestudo.ruler.server.errors import RequestError, error_answer
-from smarttestudo.ruler.server.permission import Permission, note_permission, only_reads
-from smarttestudo.ruler.server.token_page import token_page
+
+_KEY = "testudo.permission"
+_READING = frozenset(("GET", "HEAD", "OPTIONS"))
+_READING_POSTS = frozenset(
+    f"/api/{path}"
+    for path in (
+        "background",
+        "background/path",
+        "check/course",
+        "difference",
+        "document",
+        "edit",
+        "export",
+        "format",
+        "import",
+        "import/preview",
+        "incident",
+        "incident/course",
+        "optimize",
+        "profile/accuracy",
+        "profile/check",
+        "profile/curve",
+        "profile/entry",
+        "profile/for",
+        "profile/levels",
+        "profile/measure",
+        "profile/parse",
+        "profile/write",
+        "push/lasting",
+        "push/preview",
+        "recording",
+        "robot/checks",
+        "robot/history",
+        "robot/start",
+        "try",
+        "try/headline",
+        "version",
+        "vocabulary",
+        "zones",
+        "zones/cover",
+    )
+)
+"""What is asked with a body and changes neither a file nor a robot."""
+
+
+class Permission(Enum):
+    """Permission of a request."""
+
+    CHANGE = "change"
+    WATCH = "watch"
+
+
+def note_permission(scope: Scope, permission: Permission) -> None:
+    """Keep what the sender of a request may do with the request."""
+    scope[_KEY] = permission
+
+
+def noted_permission(scope: Scope) -> Permission:
+    """Permission that was noted for the sender of a request."""
+    permission: Permission = scope[_KEY]
+    return permission
+
+
+def only_reads(method: str, path: str) -> bool:
+    """Whether a request changes neither a file nor a robot, whatever its body says."""
+    return method in _READING or (method == "POST" and path in _READING_POSTS)
+
+
+_TEXT = """<!doctype html>
+<html lang="en"><meta charset="utf-8"><title>ADIRF Ruler</title>
+<meta name="viewport" content="width=device-width">
+<meta name="color-scheme" content="light dark">
+<style>
+body { font: 1rem/1.5 system-ui, sans-serif; max-width: 40rem; margin: 3rem auto; padding: 0 1rem }
+</style>
+<main>
+<h1>The token is missing or wrong</h1>
+<p>Open the whole address that <code>testudo ruler</code> printed in its terminal, with all that follows
+<code>?token=</code>. It prints another one each time that it is started.</p>
+<p>A link that somebody copied from the page has no token. Open the printed address in this browser once;
+then the link works, too.</p>
+<p>If you did not start <code>testudo ruler</code>, ask whoever did. Nothing that this browser keeps of your
+work is lost.</p>
+</main>
+</html>
+"""
+
+
+def token_page(status: int) -> Response:
+    """The answer, with ``status``, to a browser that shows what it is sent."""
+    return HTMLResponse(_TEXT, status_code=status)
+
 
 _FORBIDDEN, _UNAUTHORIZED = 403, 401
 _POLICY_VIOLATION = 1008

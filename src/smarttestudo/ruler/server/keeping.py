@@ -22,10 +22,10 @@ from smarttestudo.ruler.answer_json import answer_json
 from smarttestudo.ruler.child_process import ChildWork
 from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.page_words import in_page_words
-from smarttestudo.ruler.rules.checked_text import require_usable
+from smarttestudo.ruler.rules.document import require_usable
 from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
-from smarttestudo.ruler.server.encodings import json_answer
-from smarttestudo.ruler.server.socket import Progress
+from smarttestudo.ruler.server.live import Progress
+from smarttestudo.ruler.server.routes import json_answer
 from smarttestudo.ruler.tries.incident_keeping import (
     INCIDENTS_FOLDER,
     KeepEndRequest,

@@ -17,7 +17,7 @@ from starlette.routing import BaseRoute, Mount, Route, Router
 from starlette.staticfiles import NotModifiedResponse, StaticFiles
 from starlette.types import ASGIApp, Scope
 
-from smarttestudo.ruler.server.encodings import taken_encodings
+from smarttestudo.ruler.server.routes import taken_encodings
 
 PAGE_FOLDER = Path(__file__).parent / "static"
 DOCUMENTATION_FOLDER = Path(__file__).parent / "documentation"

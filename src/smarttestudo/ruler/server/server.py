@@ -19,8 +19,8 @@ from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents
 from smarttestudo.ruler.robots.link import OpenRobots
 from smarttestudo.ruler.server.app import ruler_app
-from smarttestudo.ruler.server.bodies import MAX_BODY_BYTES
 from smarttestudo.ruler.server.guard import ServerAddress
+from smarttestudo.ruler.server.routes import MAX_BODY_BYTES
 
 _STOP_TIMEOUT_S = 2
 

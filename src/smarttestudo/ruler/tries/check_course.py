@@ -20,7 +20,7 @@ from smarttestudo.editing import inserted_all, read_document
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.replays.replay import ReplayRequest, replay
-from smarttestudo.ruler.rules.checked_text import Draft, require_usable
+from smarttestudo.ruler.rules.document import Draft, require_usable
 from smarttestudo.ruler.rules.statement_trees import new_statement
 from smarttestudo.ruler.rules.statements import (
     CheckCondition,

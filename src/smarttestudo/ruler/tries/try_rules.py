@@ -23,20 +23,22 @@ from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.replays.incidents import IncidentRequest
 from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
-from smarttestudo.ruler.rules.checked_text import CheckedText, Draft, RefusedTextError
-from smarttestudo.ruler.tries.headline import (
+from smarttestudo.ruler.rules.document import CheckedText, Draft, RefusedTextError
+from smarttestudo.ruler.tries.loss import (
+    LossWatch,
     TriedRecording,
     TryHeadline,
+    TryLoss,
     worst_field,
     worst_topic,
 )
-from smarttestudo.ruler.tries.incident_tally import IncidentTally, TryIncident
-from smarttestudo.ruler.tries.loss import LossWatch, TryLoss
 from smarttestudo.ruler.tries.watches import (
     ArrivalWatch,
     BlockTurns,
     CountingWriter,
+    IncidentTally,
     TruthWatch,
+    TryIncident,
 )
 from smarttestudo.rules.rule_sets import sha256_of_rules, tier_values_for
 
