@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import Enum
-from functools import partial
 from pathlib import Path
 from types import UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -18,16 +17,9 @@ import msgspec
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.record import JsonEntry, Mark, derived_entry, json_name, marks
-from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.files.project_folder import ProjectFolder
-from smarttestudo.ruler.incidents.robot_incidents import RobotIncidents
-from smarttestudo.ruler.robots.link import RobotLink
+from smarttestudo.ruler.job import Download, Job, all_jobs
+from smarttestudo.ruler.problem import ErrorAnswer
 from smarttestudo.ruler.server import live
-from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
-from smarttestudo.ruler.server.child_work import TryApi
-from smarttestudo.ruler.server.errors import ErrorAnswer
-from smarttestudo.ruler.server.keeping import Keepings
-from smarttestudo.ruler.server.routes import ApiRoute
 
 TYPES = Path(__file__).resolve().parent.parent / "gui" / "src" / "api" / "types.ts"
 HEAD = """// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
@@ -49,30 +41,23 @@ _WORDS = {
 
 def types_text() -> str:
     """The whole file."""
-    project = ProjectFolder(Path())
-    routes = [
-        *api_routes(project, RobotLink(partial(open_graph_robots, "")), live.Listeners()),
-        *trial_routes(TryApi(project, live.Listeners()), Keepings(project)),
-        *robot_incident_routes(RobotIncidents(project, None)),
-    ]
-    asked: list[type] = [live.Watch, *(route.asked for route in routes if route.asked is not None)]
+    jobs = [job for job in all_jobs() if job.answered not in (bytes, Download)]
+    asked: list[type] = [live.Watch, *(job.asked for job in jobs if job.asked is not None)]
     writer = _Writer(_reached(asked))
-    for root in (*asked, *(route.answered for route in routes), ErrorAnswer, live.Push):
+    for root in (*asked, *(job.answered for job in jobs), ErrorAnswer, live.Push):
         writer.word(root)
     number = f"export const PROTOCOL_VERSION = {live.PROTOCOL_VERSION};"
     protocol = f"/** The protocol of the web socket. */\n{number}\n"
     return "\n".join(
-        [HEAD, protocol, *(text for _, text in sorted(writer.written.items())), _routes_text(routes)]
+        [HEAD, protocol, *(text for _, text in sorted(writer.written.items())), _routes_text(jobs)]
     )
 
 
-def _routes_text(routes: list[ApiRoute]) -> str:
+def _routes_text(jobs: Sequence[Job[..., Any]]) -> str:
     lines = ["/** What each route is asked and answers. */", "export interface Routes {"]
-    for route in routes:
-        asked = "null" if route.asked is None else route.asked.__name__
-        lines.append(
-            f'  "{route.method} {route.path}": {{ asked: {asked}; answered: {route.answered.__name__} }};'
-        )
+    for job in jobs:
+        asked = "null" if job.asked is None else job.asked.__name__
+        lines.append(f'  "{job.route}": {{ asked: {asked}; answered: {job.answered.__name__} }};')
     return "\n".join([*lines, "}", ""])
 
 

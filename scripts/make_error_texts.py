@@ -28,7 +28,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     "The demo": ("simulation/demo", "simulation/simulate.py"),
     "The Ruler's page": (
         "ruler/rules", "ruler/topics", "ruler/tries", "ruler/robots", "ruler/incidents", "ruler/server",
-        "ruler/page_words.py", "language", "checks", "editing",
+        "ruler/problem.py", "language", "checks", "editing",
     ),
 }  # fmt: skip
 """Folders and files of the code, by where a user meets their texts."""

@@ -14,7 +14,6 @@ from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from unittest import mock
 from urllib.parse import urlsplit
 
 from ruler.page_projects import MadeProjects
@@ -22,8 +21,7 @@ from ruler.ruler_server import Answer, Page, served
 from smarttestudo import __version__
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.remote_robots import RemoteRobots
-from smarttestudo.ruler.files.project import ProjectFiles
-from smarttestudo.ruler.server.guard import only_reads
+from smarttestudo.ruler.job import all_jobs
 
 PAGE_TESTS = Path(__file__).parents[2] / "gui" / "tests" / "page"
 ANSWERS = PAGE_TESTS / "answers"
@@ -52,6 +50,7 @@ PURE = frozenset(
     )
 )
 """What is answered from what is sent alone, whatever is in the project."""
+READING = {job.route for job in all_jobs() if job.reads}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +69,7 @@ class Step:
     def changes(self) -> bool:
         """Whether the server answers otherwise afterwards."""
         method, path = self.ask.split(" ", 1) if self.ask else ("", "")
-        return self.files is not None or not only_reads(method, urlsplit(path).path)
+        return self.files is not None or f"{method} {urlsplit(path).path}" not in READING
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -129,9 +128,7 @@ def project_server(made: MadeProjects, folder: Path, test: RecordedTest) -> Iter
     with served(folder, open_robots=_no_robots) as page:
         server = ProjectServer(page, folder)
         server.write(test.files)
-        clock = (server.now_s,)
-        with mock.patch.object(ProjectFiles.__init__, "__defaults__", clock):
-            yield server
+        yield server
 
 
 def _no_robots() -> AbstractContextManager[RemoteRobots]:

@@ -111,9 +111,8 @@ def served(
                 token=token,
                 watch_token=watch_token,
             )
-        app = ruler_app(
-            ProjectFolder(folder), access, open_robots, open_incidents=open_incidents, opened=opened
-        )
+        project = ProjectFolder(folder, opened)
+        app = ruler_app(project, access, open_robots, open_incidents=open_incidents)
         server = server_of(app)
         thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
         thread.start()

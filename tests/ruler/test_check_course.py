@@ -14,12 +14,12 @@ import pytest
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import Page, served
 from smarttestudo.domain.signal import Truth
+from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.tries.check_course import (
     CheckCourse,
     CheckCourseRequest,
     check_course,
-    check_course_order,
 )
 from smarttestudo.ruler.tries.try_rules import try_rules
 
@@ -42,7 +42,7 @@ def page(project: Path) -> Iterator[Page]:
 
 def course_of(project: Path, condition: object) -> CheckCourse:
     request = msgspec.convert({"bag": "monday", "condition": condition}, CheckCourseRequest)
-    return check_course(check_course_order(request, project / "monday"), lambda _: None)
+    return check_course(request, ProjectFolder(project), lambda _: None)
 
 
 def timed(term: object, word: str, value: float, unit: str) -> dict[str, object]:

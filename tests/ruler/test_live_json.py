@@ -11,7 +11,7 @@ from robot.status.statuses import STATUS
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.domain.status import status_from_text
-from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.job import answer_json
 from smarttestudo.ruler.robots.view import live_model, robot_summaries
 from smarttestudo.ruler.robots.watch import RuleWords, SeenRobot, words_of
 

@@ -16,9 +16,9 @@ from smarttestudo.editing import EditError
 from smarttestudo.editing.document import condition_meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
-from smarttestudo.ruler.rules.document import Draft
-from smarttestudo.ruler.rules.edits import EditedTexts, EditRequest, Insert, Replace
-from smarttestudo.ruler.rules.sharing import ExportRequest, exported
+from smarttestudo.ruler.rules.document import CheckedTexts, Draft, document
+from smarttestudo.ruler.rules.edits import EditRequest, Insert, Replace, edit
+from smarttestudo.ruler.rules.sharing import ExportRequest, export
 from smarttestudo.ruler.rules.statements import (
     Action,
     AndCondition,
@@ -56,7 +56,7 @@ SECONDS = DurationUnit.SECONDS
 
 
 def statements(text: str) -> Sequence[Statement]:
-    return EditedTexts().document(Draft(text=text, name="rules.adirf")).collections[0].statements
+    return document(Draft(text=text, name="rules.adirf"), CheckedTexts()).collections[0].statements
 
 
 def rule_in(text: str) -> RuleStatement:
@@ -66,8 +66,8 @@ def rule_in(text: str) -> RuleStatement:
 
 
 def edited(statement: Statement, text: str = TEXT) -> str:
-    edit = Replace(id=statement.id, statement=statement)
-    return EditedTexts().edit(EditRequest(text=text, name="rules.adirf", edits=(edit,))).text
+    replaced = Replace(id=statement.id, statement=statement)
+    return edit(EditRequest(text=text, name="rules.adirf", edits=(replaced,)), CheckedTexts()).text
 
 
 def with_condition(condition: Condition) -> str:
@@ -107,14 +107,12 @@ def test_the_page_sees_times_bounds_and_recordings() -> None:
 @given(written_files())
 @settings(max_examples=60)
 def test_every_statement_sent_back_as_it_came_leaves_the_same_bytes(written: WrittenFile) -> None:
-    texts = EditedTexts()
-    document = texts.document(Draft(text=written.text, name="rules.adirf"))
-    for part in document.collections:
+    texts = CheckedTexts()
+    for part in document(Draft(text=written.text, name="rules.adirf"), texts).collections:
         assert not any(isinstance(one, RawStatement) for one in part.statements)
         edits = tuple(Replace(id=one.id, statement=one) for one in part.statements)
-        assert (
-            texts.edit(EditRequest(text=written.text, name="rules.adirf", edits=edits)).text == written.text
-        )
+        request = EditRequest(text=written.text, name="rules.adirf", edits=edits)
+        assert edit(request, texts).text == written.text
 
 
 TIMES = [
@@ -220,9 +218,9 @@ def test_of_actions_in_another_order_only_the_changed_one_is_written_anew() -> N
 
 def test_a_copied_rule_has_all_that_the_rule_has() -> None:
     rule = rule_in(TEXT)
-    (collection,) = EditedTexts().document(Draft(text=TEXT, name="rules.adirf")).collections
+    (collection,) = document(Draft(text=TEXT, name="rules.adirf"), CheckedTexts()).collections
     insert = Insert(collection=collection.id, index=2, statement=replace(rule, name="Copy"))
-    text = EditedTexts().edit(EditRequest(text=TEXT, name="rules.adirf", edits=(insert,))).text
+    text = edit(EditRequest(text=TEXT, name="rules.adirf", edits=(insert,)), CheckedTexts()).text
     assert differences(parse(TEXT, "a"), parse(text, "b")) == ("Copy: added",)
     copied = [one for one in statements(text) if isinstance(one, RuleStatement)][1]
     assert said(copied.then) == said(rule.then)
@@ -282,7 +280,7 @@ def test_a_rate_in_a_rule_changes_alone() -> None:
 def test_an_export_keeps_apart_what_stood_in_two_collections() -> None:
     rule = "If CheckValue /scan distance < 1 Then SetFrequency /scan 9"
     text = f"begin\n    {rule}\nend\nbegin\n    SetFrequency /odom 1\nend\n"
-    both = exported(ExportRequest(text=text, name="rules.adirf", ids=("s1", "s2")))
+    both = export(ExportRequest(text=text, name="rules.adirf", ids=("s1", "s2"))).text
     assert [type(one) for one in parse(both, "a").file.statements] == [Block, SetFrequency]
 
 
@@ -295,6 +293,6 @@ def test_topics_that_are_only_recorded_are_known_to_the_page() -> None:
 
 
 def test_the_page_suggests_what_only_a_bound_can_name() -> None:
-    (odom,) = (one for one in vocabulary(VocabularyRequest(), {}).topics if one.topic == "/odom")
+    (odom,) = (one for one in vocabulary(VocabularyRequest(), dict).topics if one.topic == "/odom")
     assert [(one.name, one.unit) for one in odom.bounds] == [("position", "m"), ("orientation", "°")]
     assert "position" not in [one.name for one in odom.properties]

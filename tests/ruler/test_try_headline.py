@@ -24,10 +24,10 @@ from hypothesis import strategies as st
 from bags.bag_factory import small_mission, write_bag
 from ruler.ruler_server import TIMEOUT_S, Page, served
 from smarttestudo.accuracy.loss_report import Age, ErrorSize, Frames, TopicArm
-from smarttestudo.ruler.answer_json import answer_json
-from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler import child
+from smarttestudo.ruler.job import answer_json
 from smarttestudo.ruler.rules.document import Draft
-from smarttestudo.ruler.server.child_work import ChildProcesses, order_about_bag
+from smarttestudo.ruler.server.processes import Processes
 from smarttestudo.ruler.tries.loss import (
     TriedRecording,
     TryFieldLoss,
@@ -37,7 +37,7 @@ from smarttestudo.ruler.tries.loss import (
     worst_field,
     worst_topic,
 )
-from smarttestudo.ruler.tries.try_rules import TryRequest, try_rules
+from smarttestudo.ruler.tries.try_rules import TryRequest, headline, try_rules
 
 RULES = """\
 begin
@@ -108,7 +108,7 @@ def test_nothing_outside_the_project_is_tried(page: Page, bag: str) -> None:
     assert page.post("/api/try/headline", {"text": RULES, "bag": bag}).status == 403
 
 
-CHILD = f"{ChildWork.__module__}\0{ChildWork.HEADLINE.value}\0"
+CHILD = "\0".join([*child.command(headline, Path())[:-1], ""])
 
 
 def processes() -> set[int]:
@@ -184,13 +184,12 @@ def test_a_page_that_leaves_ends_the_process_at_work_only(project: Path) -> None
 
 def test_a_process_that_is_ready_ends_where_nothing_more_is_tried(project: Path) -> None:
     async def tried() -> None:
-        work = ChildProcesses(lambda _: None, repeated=ChildWork.HEADLINE, idle_s=0)
-        bag = project / "runs" / "short"
-        order = order_about_bag(ChildWork.HEADLINE, TryRequest(text=RULES, bag=str(bag)), bag, "runs/short")
-        assert await work.result(order)
+        work = Processes(project, idle_s=0)
+        asked = TryRequest(text=RULES, bag="runs/short")
+        assert await work.result(headline, asked, lambda _: None)
         while processes() - others:
             await asyncio.sleep(0.01)
-        assert await work.result(order)
+        assert await work.result(headline, asked, lambda _: None)
         await work.close()
 
     others = processes()

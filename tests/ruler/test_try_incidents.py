@@ -17,7 +17,7 @@ from bags.bag_reading import read_bag
 from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, RULES, write_incidents
 from ruler.ruler_server import Page, served
 from smarttestudo.ruler.rules.document import Draft
-from smarttestudo.ruler.server.keeping import MAX_KEEPS
+from smarttestudo.ruler.tries.keep import MAX_KEEPS
 from smarttestudo.ruler.tries.try_rules import TrialLimits, try_rules
 
 TRY = {"text": RULES, "name": "far.adirf", "bag": "monday"}

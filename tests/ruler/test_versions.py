@@ -11,7 +11,7 @@ from urllib.parse import quote
 import pytest
 
 from ruler.ruler_server import Answer, Page, served
-from smarttestudo.ruler.files.project import ProjectFiles, SaveRequest, SettingsFile
+from smarttestudo.ruler.files.project import SaveRequest, read_file, save
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.files.version_store import MAX_VERSIONS, VersionStore
 
@@ -113,9 +113,10 @@ def test_a_clock_that_was_set_back_keeps_the_order(folder: Path) -> None:
 def test_a_save_without_room_for_versions_is_still_a_save(folder: Path) -> None:
     (folder / ".testudo").write_text("in the way")
     project = ProjectFolder(folder)
-    files = ProjectFiles(project, SettingsFile(project), None, lambda: 0.0)
-    request = SaveRequest(name="zones/a.adirf", text="// new\n", base_hash=files.read("zones/a.adirf").hash)
-    assert "the version cannot be written" in files.save(request).note
+    request = SaveRequest(
+        name="zones/a.adirf", text="// new\n", base_hash=read_file("zones/a.adirf", project).hash
+    )
+    assert "the version cannot be written" in save(request, project, VersionStore(project, lambda: 0.0)).note
     assert (folder / "zones" / "a.adirf").read_text() == "// new\n"
 
 

@@ -9,21 +9,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import pytest
 
 from ruler.incident_projects import NEAR_MISS, write_incidents
 from ruler.ruler_server import TIMEOUT_S, Page, served
-from smarttestudo.robot.ros import open_graph_robots
-from smarttestudo.ruler.files.project_folder import ProjectFolder
-from smarttestudo.ruler.incidents.robot_incidents import RobotIncidents
-from smarttestudo.ruler.robots.link import RobotLink
-from smarttestudo.ruler.server.app import api_routes, robot_incident_routes, trial_routes
-from smarttestudo.ruler.server.child_work import TryApi
-from smarttestudo.ruler.server.keeping import Keepings
-from smarttestudo.ruler.server.live import Listeners
+from smarttestudo.ruler.job import all_jobs
 
 RULES = "begin\n    SetFrequency /odom 5\nend\n"
 TOKEN, WATCH_TOKEN = "may-change", "may-watch"
@@ -62,18 +54,12 @@ def page(project: Path) -> Iterator[Page]:
         yield page
 
 
-def test_all_that_changes_something_is_refused_and_all_else_is_answered(page: Page, project: Path) -> None:
-    folder = ProjectFolder(project)
-    routes = [
-        *api_routes(folder, RobotLink(partial(open_graph_robots, "")), Listeners()),
-        *trial_routes(TryApi(folder, Listeners()), Keepings(folder)),
-        *robot_incident_routes(RobotIncidents(folder, None)),
-    ]
+def test_all_that_changes_something_is_refused_and_all_else_is_answered(page: Page) -> None:
     refused = set()
-    for route in routes:
-        answer = page.request(route.method, route.path, None if route.method == "GET" else b"{}")
+    for job in all_jobs():
+        answer = page.request(job.method, job.path, None if job.method == "GET" else b"{}")
         if answer.status == 403 and answer.error == REFUSED:
-            refused.add(f"{route.method} {route.path}")
+            refused.add(job.route)
     assert refused == CHANGES
 
 

@@ -84,12 +84,11 @@ def run(arguments: argparse.Namespace) -> int:
             threading.Thread(target=webbrowser.open, args=(access.url,), daemon=True).start()
 
     serve(
-        ProjectFolder(folder),
+        ProjectFolder(folder, opened=None if path.is_dir() else path.name),
         open_robots,
         open_incidents=open_incidents,
         host=arguments.host,
         port=arguments.port,
-        opened=None if path.is_dir() else path.name,
         is_watch_only=arguments.watch_only,
         started=started,
     )

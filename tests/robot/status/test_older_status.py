@@ -22,7 +22,7 @@ from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RulesOrigin, Silence, status_from_text
 from smarttestudo.robot.ros.graph_robots import GraphRobots
-from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.job import answer_json
 from smarttestudo.ruler.robots.view import Live, live_model, robot_summaries
 from smarttestudo.ruler.robots.watch import RobotWatch
 

@@ -11,16 +11,18 @@ import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from real_browser import TIMEOUT_MS
-from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler import child
+from smarttestudo.ruler.job import Job
 
 LOOK_S = 0.01
 
 
 @contextmanager
-def first_held(work: ChildWork) -> Iterator[Callable[[], int]]:
-    """Stop the first process for ``work`` that begins, and let it go on afterwards.
+def first_held(job: Job[..., Any]) -> Iterator[Callable[[], int]]:
+    """Stop the first process for ``job`` that begins, and let it go on afterwards.
 
     The result waits until there is one, and says its number.
     """
@@ -30,14 +32,14 @@ def first_held(work: ChildWork) -> Iterator[Callable[[], int]]:
 
     def watch() -> None:
         while not is_over.wait(LOOK_S):
-            child = child_of_server(work)
-            if child is None:
+            pid = child_of_server(job)
+            if pid is None:
                 continue
             # One that ended meanwhile was another test's.
             with suppress(ProcessLookupError):
-                os.kill(child, signal.SIGSTOP)
-                held.append(child)
-                found.put(child)
+                os.kill(pid, signal.SIGSTOP)
+                held.append(pid)
+                found.put(pid)
                 return
 
     watching = threading.Thread(target=watch)
@@ -47,15 +49,15 @@ def first_held(work: ChildWork) -> Iterator[Callable[[], int]]:
     finally:
         is_over.set()
         watching.join()
-        for child in held:
+        for pid in held:
             with suppress(ProcessLookupError):
-                os.kill(child, signal.SIGCONT)
+                os.kill(pid, signal.SIGCONT)
 
 
-def child_of_server(work: ChildWork) -> int | None:
-    """The process for ``work`` of the server of this test; others have forked that."""
+def child_of_server(job: Job[..., Any]) -> int | None:
+    """The process for ``job`` of the server of this test; others have forked that."""
     servers = _children(_children(iter([os.getpid()])))
-    command = f"smarttestudo.ruler.child_process\0{work.value}"
+    command = "\0".join(child.command(job, Path())[:-1])
     return next((pid for pid in _children(servers) if command in _command(pid)), None)
 
 

@@ -15,7 +15,7 @@ from playwright.sync_api import Locator, expect
 from ruler.browser.held_child import first_held
 from ruler.browser.ruler_page import RulerPage
 from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, add_bad_incidents, write_incidents
-from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler.tries.keep import keep_incident
 
 
 @pytest.fixture
@@ -184,7 +184,7 @@ def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, p
     kept = ruler.page.get_by_role("region", name="What the rules would have recorded")
     bar = ruler.page.get_by_role("region", name="Incidents being kept")
     # The second waits for the first.
-    with first_held(ChildWork.KEEP) as first:
+    with first_held(keep_incident) as first:
         for name in ("near miss", "all of it"):
             kept.get_by_role("button", name=f"Keep it: {name}").click()
         first()

@@ -15,7 +15,7 @@ from bags.bag_factory import small_mission, write_bag
 from link.zenoh.ends import until
 from ruler.browser.held_child import child_of_server, first_held
 from ruler.browser.ruler_page import RulerPage
-from smarttestudo.ruler.child_process import ChildWork
+from smarttestudo.ruler.tries.try_rules import try_on
 
 RULES = """\
 begin
@@ -84,13 +84,13 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
     ruler.tool("Try on a recording").click()
-    with first_held(ChildWork.TRIAL) as replay:
+    with first_held(try_on) as replay:
         ruler.button("Run the rules on it").click()
         child = replay()
         expect(ruler.page.get_by_role("progressbar", name="Replaying monday")).to_be_visible()
         ruler.button("Cancel").click()
         expect(ruler.page.get_by_text("Cancelled.")).to_be_visible()
-        until(lambda: child_of_server(ChildWork.TRIAL) != child)
+        until(lambda: child_of_server(try_on) != child)
     _try_rules(ruler)
 
 

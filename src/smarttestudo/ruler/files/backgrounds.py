@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -24,6 +24,7 @@ from smarttestudo.ruler.files.nav2_map import (
 )
 from smarttestudo.ruler.files.project_folder import FileKind, ProjectFolder
 from smarttestudo.ruler.files.recordings import BagRequest
+from smarttestudo.ruler.job import job
 
 MAX_POINTS = 2000
 _HEAD_BYTES = 16_384
@@ -94,90 +95,78 @@ class DrivenPath(Struct, frozen=True, kw_only=True):
     notices: tuple[str, ...]
 
 
-class Backgrounds:
-    """The maps, images and recordings of ``folder``; nothing outside it is read."""
-
-    def __init__(self, folder: ProjectFolder) -> None:
-        self._folder = folder
-
-    def choices(self) -> BackgroundsAnswer:
-        """Everything that zones can be drawn on."""
-        files, _ = self._folder.files()
-        return BackgroundsAnswer(
-            choices=tuple(
-                BackgroundChoice(kind=_CHOICES[one.kind], name=one.name)
-                for one in [*files, *self._folder.images()]
-                if one.kind in _CHOICES
-            )
+@job("GET /api/backgrounds")
+def backgrounds(folder: ProjectFolder) -> BackgroundsAnswer:
+    """Everything that zones can be drawn on."""
+    files, _ = folder.files()
+    return BackgroundsAnswer(
+        choices=tuple(
+            BackgroundChoice(kind=_CHOICES[one.kind], name=one.name)
+            for one in [*files, *folder.images()]
+            if one.kind in _CHOICES
         )
-
-    def background(self, request: BackgroundRequest) -> Background:
-        """Size and place of a map or image.
-
-        Raises:
-            ForbiddenPathError: it, or the image that a map names, lies outside the project.
-            MissingFileError: there is none.
-            MapError: it cannot be read.
-        """
-        name, kind = request.name, request.kind
-        path = self._folder.background(name, FileKind(kind))
-        if kind == "image":
-            width_px, height_px = image_size(path)
-            return Background(
-                name=name,
-                kind=kind,
-                hash=sha256_of_files(path),
-                width_px=width_px,
-                height_px=height_px,
-                metres_per_pixel=None,
-            )
-        header = self._header(path, name)
-        width_px, height_px = image_size(header.image)
-        x_m, y_m, yaw_rad = header.origin
-        return Background(
-            name=name,
-            kind=kind,
-            hash=sha256_of_files(path, header.image),
-            width_px=width_px,
-            height_px=height_px,
-            metres_per_pixel=header.cell_m,
-            x=x_m,
-            y=y_m,
-            yaw_rad=yaw_rad,
-        )
-
-    def picture(self, request: BackgroundRequest) -> bytes:
-        """A map or image as PNG; errors as in ``background``."""
-        path = self._folder.background(request.name, FileKind(request.kind))
-        if request.kind == "image":
-            _require_small(path)
-            return image_png(path)
-        return map_png(self._header(path, request.name))
-
-    def path(self, request: BagRequest) -> DrivenPath:
-        """Where the robot of a bag was, by its pose in the map, else by its odometry or transforms.
-
-        Raises:
-            RecordingError: the bag cannot be read, or has no positions of the robot.
-        """
-        return _driven(self._folder.bag(request.bag), request.bag, self._folder.shown)
-
-    def _header(self, path: Path, name: str) -> MapHeader:
-        header = read_map_header(path)
-        self._folder.require_inside(header.image, name)
-        _require_small(header.image)
-        return header
+    )
 
 
-def _driven(bag: Path, name: str, shown: Callable[[str], str]) -> DrivenPath:
+@job("POST /api/background", reads=True)
+def background(request: BackgroundRequest, folder: ProjectFolder) -> Background:
+    """Size and place of a map or image.
+
+    Raises:
+        ForbiddenPathError: it, or the image that a map names, lies outside the project.
+        MissingFileError: there is none.
+        MapError: it cannot be read.
+    """
+    name, kind = request.name, request.kind
+    path = folder.background(name, FileKind(kind))
+    header = None if kind == "image" else _header(folder, path, name)
+    width_px, height_px = image_size(path if header is None else header.image)
+    x_m, y_m, yaw_rad = (0.0, 0.0, 0.0) if header is None else header.origin
+    return Background(
+        name=name,
+        kind=kind,
+        hash=sha256_of_files(path) if header is None else sha256_of_files(path, header.image),
+        width_px=width_px,
+        height_px=height_px,
+        metres_per_pixel=None if header is None else header.cell_m,
+        x=x_m,
+        y=y_m,
+        yaw_rad=yaw_rad,
+    )
+
+
+@job("GET /api/background/picture")
+def picture(kind: BackgroundKind, name: str, folder: ProjectFolder) -> bytes:
+    """A map or image as PNG; errors as in ``background``."""
+    path = folder.background(name, FileKind(kind))
+    if kind == "image":
+        _require_small(path)
+        return image_png(path)
+    return map_png(_header(folder, path, name))
+
+
+def _header(folder: ProjectFolder, path: Path, name: str) -> MapHeader:
+    header = read_map_header(path)
+    folder.require_inside(header.image, name)
+    _require_small(header.image)
+    return header
+
+
+@job("POST /api/background/path", reads=True)
+def driven_path(request: BagRequest, folder: ProjectFolder) -> DrivenPath:
+    """Where the robot of a bag was, by its pose in the map, else by its odometry or transforms.
+
+    Raises ``RecordingError`` where the bag cannot be read, or has no positions of the robot.
+    """
     from smarttestudo.bags.definitions import RosbagDecoder  # noqa: PLC0415  most projects have no bag
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
-    with open_recording(bag) as recording:
+    with open_recording(folder.bag(request.bag)) as recording:
         places = places_in(recording.channels, RosbagDecoder(), recording.start_ns, by_transforms=False)
         if places is None:
             remedy = "record /odom, or /tf, with it"
-            raise RecordingError("the recording does not say where the robot was", place=name, remedy=remedy)
+            cause = "the recording does not say where the robot was"
+            raise RecordingError(cause, place=request.bag, remedy=remedy)
         unknown: Counter[str] = Counter()
         for channel, stamp_ns, (size_bytes, head) in recording.heads(_HEAD_BYTES):
             if size_bytes == len(head):
@@ -191,7 +180,7 @@ def _driven(bag: Path, name: str, shown: Callable[[str], str]) -> DrivenPath:
             source=places.source,
             has_pose=not isinstance(places, TransformPlaces),
             frame=places.frame,
-            notices=(*map(shown, recording.notices()), *notice_of_unknown(unknown)),
+            notices=(*map(folder.shown, recording.notices()), *notice_of_unknown(unknown)),
         )
 
 

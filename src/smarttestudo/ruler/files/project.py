@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import threading
-import time
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
@@ -29,6 +28,7 @@ from smarttestudo.ruler.files.project_folder import (
     layout_name,
 )
 from smarttestudo.ruler.files.version_store import VersionStore
+from smarttestudo.ruler.job import job
 
 SETTINGS_FILE = ".testudo/settings.json"
 _MAX_BYTES = 1_000_000
@@ -207,152 +207,153 @@ class _Source:
     layout: FileText | None
 
 
-class ProjectFiles:
-    """The files of ``folder``; ``opened`` is the one that the user named, if any.
+@job("GET /api/project")
+def project(folder: ProjectFolder, settings: SettingsFile) -> Project:
+    """The project with its files."""
+    files, has_more = folder.files()
+    return Project(
+        root_name=folder.name,
+        root_hash=folder.path_hash,
+        opened=folder.opened,
+        files=tuple(files),
+        version=__version__,
+        ros=find_spec("rclpy") is not None,
+        has_more=has_more,
+        saves_by_itself=settings.read().saves_by_itself,
+    )
 
-    ``now_s`` is the time in seconds since 1970.
-    """
 
-    def __init__(
-        self,
-        folder: ProjectFolder,
-        settings: SettingsFile,
-        opened: str | None,
-        now_s: Callable[[], float] = time.time,
-    ) -> None:
-        self._folder = folder
-        self._settings = settings
-        self._versions = VersionStore(folder)
-        self._opened = opened
-        self._now_s = now_s
+@job("PUT /api/project/settings")
+def change_settings(request: SettingsRequest, folder: ProjectFolder, settings: SettingsFile) -> Project:
+    settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
+    return project(folder, settings)
 
-    def project(self) -> Project:
-        """The project with its files."""
-        files, has_more = self._folder.files()
-        return Project(
-            root_name=self._folder.name,
-            root_hash=self._folder.path_hash,
-            opened=self._opened,
-            files=tuple(files),
-            version=__version__,
-            ros=find_spec("rclpy") is not None,
-            has_more=has_more,
-            saves_by_itself=self._settings.read().saves_by_itself,
-        )
 
-    def set(self, request: SettingsRequest) -> Project:
-        """Change the settings of the project."""
-        self._settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
-        return self.project()
+@job("GET /api/file")
+def read_file(name: str, folder: ProjectFolder) -> FileAnswer:
+    found = folder.read(name)
+    return FileAnswer(name=name, text=found.text, hash=found.sha256)
 
-    def read(self, name: str) -> FileAnswer:
-        """One text file."""
-        found = self._folder.read(name)
-        return FileAnswer(name=name, text=found.text, hash=found.sha256)
 
-    def state(self, name: str) -> FileOnDisk:
-        """Hash that tells whether a file that is open was changed by somebody else."""
-        try:
-            return FileOnDisk(hash=self._folder.read(name).sha256)
-        except MissingFileError:
-            return FileOnDisk(hash=None)
+@job("GET /api/file/state")
+def file_state(name: str, folder: ProjectFolder) -> FileOnDisk:
+    """Hash that tells whether a file that is open was changed by somebody else."""
+    try:
+        return FileOnDisk(hash=folder.read(name).sha256)
+    except MissingFileError:
+        return FileOnDisk(hash=None)
 
-    def save(self, request: SaveRequest) -> SaveAnswer:
-        """Write one text file; of a rule file, what was and what is there are kept as versions."""
-        name = request.name
-        if self._folder.kind(name) is not FileKind.RULES:
-            return SaveAnswer(hash=self._written(request), note="")
-        before = self._before(request)
-        sha256 = self._written(request)
-        try:
-            if before is not None:
-                self._versions.keep(name, before.text, before.changed_at_ms)
-            self._versions.keep(name, request.text, int(self._now_s() * 1000), by_itself=request.by_itself)
-        except TestudoError as error:
-            # The file itself is saved, and that must be said.
-            return SaveAnswer(hash=sha256, note=error.cause)
-        return SaveAnswer(hash=sha256, note="")
 
-    def rename(self, request: RenameRequest) -> Project:
-        """Call a rule file or a profile otherwise; its map, its versions and its profile go with it."""
-        name, new_name = request.name, request.new_name
-        source = self._source(name, new_name)
-        self._move(source.text, name, new_name, request.base_hash)
-        if source.layout is not None:
-            with suppress(MissingFileError, ChangedFileError):
-                layout = source.layout
-                self._move(layout.text, layout_name(name), layout_name(new_name), layout.sha256)
-        if source.kind is FileKind.RULES:
-            self._versions.move(name, new_name)
-        self._settings.follow(name, new_name)
-        return self.project()
+@job("PUT /api/file")
+def save(request: SaveRequest, folder: ProjectFolder, versions: VersionStore) -> SaveAnswer:
+    """Write one text file; of a rule file, what was and what is there are kept as versions."""
+    name = request.name
+    is_rules = folder.kind(name) is FileKind.RULES
+    before = _before(request, folder) if is_rules else None
+    sha256 = folder.write(name, request.text, request.base_hash)
+    try:
+        if before is not None:
+            versions.keep(name, before.text, before.changed_at_ms)
+        if is_rules:
+            versions.keep(name, request.text, by_itself=request.by_itself)
+    except TestudoError as error:
+        # The file itself is saved, and that must be said.
+        return SaveAnswer(hash=sha256, note=error.cause)
+    return SaveAnswer(hash=sha256, note="")
 
-    def copy(self, request: CopyRequest) -> Project:
-        """Write a rule file or a profile under another name as well, with its map and its profile."""
-        name, new_name = request.name, request.new_name
-        source = self._source(name, new_name)
-        self._folder.write(new_name, source.text, None)
-        if source.layout is not None:
-            with suppress(ChangedFileError):
-                self._folder.write(layout_name(new_name), source.layout.text, None)
-        if source.kind is FileKind.RULES:
-            self._versions.keep(new_name, source.text, int(self._now_s() * 1000))
-            profile = self._settings.read().profiles.get(name)
-            if profile is not None:
-                self._settings.set_profile(new_name, profile)
-        return self.project()
 
-    def delete(self, request: DeleteRequest) -> Project:
-        """Remove a rule file, of which a version is kept, or a profile."""
-        name = request.name
-        if self._folder.kind(name) is FileKind.RULES:
-            found = self._folder.read(name)
-            self._versions.keep(name, found.text, found.changed_at_ms)
-        self._folder.remove(name, request.base_hash)
-        return self.project()
+@job("POST /api/file/rename")
+def rename(
+    request: RenameRequest, folder: ProjectFolder, settings: SettingsFile, versions: VersionStore
+) -> Project:
+    """Call a rule file or a profile otherwise; its map, its versions and its profile go with it."""
+    name, new_name = request.name, request.new_name
+    source = _source(folder, name, new_name)
+    _move(folder, source.text, name, new_name, request.base_hash)
+    if source.layout is not None:
+        with suppress(MissingFileError, ChangedFileError):
+            layout = source.layout
+            _move(folder, layout.text, layout_name(name), layout_name(new_name), layout.sha256)
+    if source.kind is FileKind.RULES:
+        versions.move(name, new_name)
+    settings.follow(name, new_name)
+    return project(folder, settings)
 
-    def _source(self, name: str, new_name: str) -> _Source:
-        """Content of the file ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
-        kind = self._folder.kind(name)
-        if self._folder.kind(new_name) is not kind:
-            remedy = "rule files end in .adirf, profiles in .toml"
-            raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
-        self._folder.path(new_name)
-        layout = self._layout(name, new_name)
-        return _Source(kind=kind, text=self._folder.read(name).text, layout=layout)
 
-    def _layout(self, name: str, new_name: str) -> FileText | None:
-        """The map of ``name``, if it has one; ``ForbiddenPathError`` where ``new_name`` could not have it."""
-        try:
-            found = self._folder.read(layout_name(name))
-        except (MissingFileError, ForbiddenPathError):
-            # The name of a map is longer, and may be too long.
-            return None
-        try:
-            self._folder.path(layout_name(new_name))
-        except ForbiddenPathError as error:
-            cause = "the name is too long for the map of the rules"
-            raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
-        return found
+@job("POST /api/file/copy")
+def copy(
+    request: CopyRequest, folder: ProjectFolder, settings: SettingsFile, versions: VersionStore
+) -> Project:
+    """Write a rule file or a profile under another name as well, with its map and its profile."""
+    name, new_name = request.name, request.new_name
+    source = _source(folder, name, new_name)
+    folder.write(new_name, source.text, None)
+    if source.layout is not None:
+        with suppress(ChangedFileError):
+            folder.write(layout_name(new_name), source.layout.text, None)
+    if source.kind is FileKind.RULES:
+        versions.keep(new_name, source.text)
+        profile = settings.read().profiles.get(name)
+        if profile is not None:
+            settings.set_profile(new_name, profile)
+    return project(folder, settings)
 
-    def _move(self, text: str, name: str, new_name: str, base_sha256: str) -> None:
-        written_sha256 = self._folder.write(new_name, text, None)
-        try:
-            self._folder.remove(name, base_sha256)
-        except TestudoError:
-            # Whoever is refused finds what was there before.
-            self._folder.remove(new_name, written_sha256)
-            raise
 
-    def _written(self, request: SaveRequest) -> str:
-        return self._folder.write(request.name, request.text, request.base_hash)
+@job("POST /api/file/delete")
+def delete(
+    request: DeleteRequest, folder: ProjectFolder, settings: SettingsFile, versions: VersionStore
+) -> Project:
+    """Remove a rule file, of which a version is kept, or a profile."""
+    name = request.name
+    if folder.kind(name) is FileKind.RULES:
+        found = folder.read(name)
+        versions.keep(name, found.text, found.changed_at_ms)
+    folder.remove(name, request.base_hash)
+    return project(folder, settings)
 
-    def _before(self, request: SaveRequest) -> FileText | None:
-        """Text that a save replaces, which another program may have written; ``None`` where nothing is."""
-        if request.base_hash is None:
-            return None
-        try:
-            return self._folder.read(request.name)
-        except TestudoError:
-            # The save itself says what is wrong with it.
-            return None
+
+def _source(folder: ProjectFolder, name: str, new_name: str) -> _Source:
+    """Content of the file ``name``; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+    kind = folder.kind(name)
+    if folder.kind(new_name) is not kind:
+        remedy = "rule files end in .adirf, profiles in .toml"
+        raise ForbiddenPathError("a file keeps its kind", place=new_name, remedy=remedy)
+    folder.path(new_name)
+    layout = _layout(folder, name, new_name)
+    return _Source(kind=kind, text=folder.read(name).text, layout=layout)
+
+
+def _layout(folder: ProjectFolder, name: str, new_name: str) -> FileText | None:
+    """The map of ``name``, if it has one; ``ForbiddenPathError`` where ``new_name`` could not have it."""
+    try:
+        found = folder.read(layout_name(name))
+    except (MissingFileError, ForbiddenPathError):
+        # The name of a map is longer, and may be too long.
+        return None
+    try:
+        folder.path(layout_name(new_name))
+    except ForbiddenPathError as error:
+        cause = "the name is too long for the map of the rules"
+        raise ForbiddenPathError(cause, place=new_name, remedy="choose a shorter name") from error
+    return found
+
+
+def _move(folder: ProjectFolder, text: str, name: str, new_name: str, base_sha256: str) -> None:
+    written_sha256 = folder.write(new_name, text, None)
+    try:
+        folder.remove(name, base_sha256)
+    except TestudoError:
+        # Whoever is refused finds what was there before.
+        folder.remove(new_name, written_sha256)
+        raise
+
+
+def _before(request: SaveRequest, folder: ProjectFolder) -> FileText | None:
+    """Text that a save replaces, which another program may have written; ``None`` where nothing is."""
+    if request.base_hash is None:
+        return None
+    try:
+        return folder.read(request.name)
+    except TestudoError:
+        # The save itself says what is wrong with it.
+        return None

@@ -74,13 +74,19 @@ _WRITABLE = frozenset({FileKind.RULES, FileKind.PROFILE, FileKind.LAYOUT})
 class ForbiddenPathError(TestudoError):
     """A name that leads out of the project folder, or to a file that is none of the Ruler's."""
 
+    status = 403
+
 
 class MissingFileError(TestudoError):
     """A name that no file of the project has."""
 
+    status = 404
+
 
 class ChangedFileError(TestudoError):
     """A file that was changed on disk since it was read."""
+
+    status = 409
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -106,36 +112,37 @@ class FileText:
 
 
 class ProjectFolder:
-    """Rule files, profiles, bags and maps below ``root``."""
+    """Rule files, profiles, bags and maps below ``root``; ``opened`` is what the user named, if any."""
 
-    def __init__(self, root: Path) -> None:
-        self._root = root.resolve()
+    def __init__(self, root: Path, opened: str | None = None) -> None:
+        self.root = root.resolve()
+        self.opened = opened
         self._writing = threading.Lock()
 
     @property
     def name(self) -> str:
         """The folder's own name."""
-        return self._root.name or str(self._root)
+        return self.root.name or str(self.root)
 
     @property
     def path_hash(self) -> str:
         """A SHA-256 of where the folder is: it tells projects apart without saying where they are."""
-        return _sha256(os.fsencode(self._root))
+        return _sha256(os.fsencode(self.root))
 
     def files(self) -> tuple[list[FoundFile], bool]:
         """Files that the Ruler can open, by name, and whether there are more than it lists."""
-        known = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is not FileKind.IMAGE)
+        known = (one for one in self._walk(self.root, _MAX_DEPTH) if one.kind is not FileKind.IMAGE)
         found = list(islice(known, MAX_FILES + 1))
         return found[:MAX_FILES], len(found) > MAX_FILES
 
     def folders_with(self, file_name: str) -> tuple[list[str], bool]:
         """The folders that hold something called ``file_name``, by name, and whether there are more."""
-        found = list(islice(self._holders(self._root, file_name, _MAX_DEPTH), MAX_FOLDERS + 1))
+        found = list(islice(self._holders(self.root, file_name, _MAX_DEPTH), MAX_FOLDERS + 1))
         return found[:MAX_FOLDERS], len(found) > MAX_FOLDERS
 
     def images(self) -> list[FoundFile]:
         """The first 200 images, by name."""
-        found = (one for one in self._walk(self._root, _MAX_DEPTH) if one.kind is FileKind.IMAGE)
+        found = (one for one in self._walk(self.root, _MAX_DEPTH) if one.kind is FileKind.IMAGE)
         return list(islice(found, MAX_IMAGES))
 
     def path(self, name: str) -> Path:
@@ -144,8 +151,8 @@ class ProjectFolder:
         is_plain = bool(parts) and all(map(is_nameable, parts))
         if not is_plain or name.startswith("/") or ".." in parts:
             raise ForbiddenPathError("this is not the name of a file in the project", place=name)
-        path = _resolved(self._root.joinpath(*parts), name)
-        if not path.is_relative_to(self._root):
+        path = _resolved(self.root.joinpath(*parts), name)
+        if not path.is_relative_to(self.root):
             raise ForbiddenPathError("this leads out of the project folder", place=name)
         return path
 
@@ -190,14 +197,14 @@ class ProjectFolder:
 
     def require_inside(self, path: Path, place: str) -> None:
         """Refuse a file that ``place`` names outside the project, by ``ForbiddenPathError``."""
-        if not _resolved(path, place).is_relative_to(self._root):
+        if not _resolved(path, place).is_relative_to(self.root):
             raise ForbiddenPathError(
                 "this names a file outside the project folder", place=place, remedy="copy it into the project"
             )
 
     def shown(self, path: str) -> str:
         """A path as the project calls it."""
-        return path.removeprefix(f"{self._root}{os.sep}")
+        return path.removeprefix(f"{self.root}{os.sep}")
 
     def read(self, name: str) -> FileText:
         """The text of the rule file, profile, map description or layout ``name``."""
@@ -239,7 +246,7 @@ class ProjectFolder:
         Raises ``ChangedFileError`` if it is not, and ``ForbiddenPathError`` for a link.
         """
         path = self._writable(name)
-        if self._root.joinpath(*PurePosixPath(name).parts).is_symlink():
+        if self.root.joinpath(*PurePosixPath(name).parts).is_symlink():
             raise ForbiddenPathError("this is a link", place=name, remedy="remove it where you made it")
         with self._writing:
             self._require_unchanged(path, name, base_sha256)
@@ -297,7 +304,7 @@ class ProjectFolder:
                 is_folder = is_folder and entry.is_dir(follow_symlinks=False)
             path = Path(entry.path)
             if is_folder and os.path.lexists(path / file_name):
-                yield path.relative_to(self._root).as_posix()
+                yield path.relative_to(self.root).as_posix()
             elif is_folder and depth > 0:
                 yield from self._holders(path, file_name, depth - 1)
 
@@ -310,7 +317,7 @@ class ProjectFolder:
     def _entry(self, entry: os.DirEntry[str], depth: int) -> Iterator[FoundFile]:
         if not is_nameable(entry.name):
             return
-        if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self._root):
+        if entry.is_symlink() and not Path(entry.path).resolve().is_relative_to(self.root):
             return
         if entry.is_file():
             yield from self._file(entry)
@@ -336,7 +343,7 @@ class ProjectFolder:
         yield self._found(path, kind, found, found.st_size)
 
     def _found(self, path: Path, kind: FileKind, found: os.stat_result, size_bytes: int) -> FoundFile:
-        name = path.relative_to(self._root).as_posix()
+        name = path.relative_to(self.root).as_posix()
         return FoundFile(name=name, kind=kind, size_bytes=size_bytes, changed_at_s=found.st_mtime)
 
 

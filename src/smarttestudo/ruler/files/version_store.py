@@ -7,7 +7,8 @@ from __future__ import annotations
 import os
 import re
 import threading
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime, timedelta, timezone
@@ -46,10 +47,14 @@ class KeptVersion:
 
 
 class VersionStore:
-    """The last 50 versions of each rule file of ``folder``, a file each."""
+    """The last 50 versions of each rule file of ``folder``, a file each.
 
-    def __init__(self, folder: ProjectFolder) -> None:
+    ``now_s`` is the time in seconds since 1970.
+    """
+
+    def __init__(self, folder: ProjectFolder, now_s: Callable[[], float] = time.time) -> None:
         self._folder = folder
+        self._now_s = now_s
         self._writing = threading.Lock()
 
     def versions(self, name: str) -> list[KeptVersion]:
@@ -79,12 +84,13 @@ class VersionStore:
         except (OSError, UnicodeDecodeError) as error:
             raise TestudoError("this version cannot be read", place=f"{name} {version_id}") from error
 
-    def keep(self, name: str, text: str, saved_at_ms: int, *, by_itself: bool = False) -> None:
-        """Keep ``text`` as the newest version, unless it is that already.
+    def keep(self, name: str, text: str, saved_at_ms: int | None = None, *, by_itself: bool = False) -> None:
+        """Keep ``text``, which was saved now where nothing else is said, unless it is the newest already.
 
         The oldest beyond 50 are removed. Raises ``OutputFileError`` where it cannot be written.
         """
         place = self._place(name)
+        saved_at_ms = int(self._now_s() * 1000) if saved_at_ms is None else saved_at_ms
         with self._writing:
             known = self.versions(name)
             newest = known[0] if known else None

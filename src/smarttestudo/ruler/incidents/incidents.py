@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import PurePosixPath
 
 from msgspec import Struct
 
@@ -24,6 +24,8 @@ from smarttestudo.files.zip_stream import zip_pieces
 from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.language.properties import property_spec
 from smarttestudo.ruler.files.project_folder import FileKind, MissingFileError, ProjectFolder
+from smarttestudo.ruler.files.recordings import READING
+from smarttestudo.ruler.job import Download, Permission, Report, job
 
 MAX_INCIDENTS = 500
 
@@ -71,100 +73,97 @@ class IncidentAnswer:
     is_same_text: bool
 
 
-class KnownIncidents:
-    """The incidents of ``folder``; nothing outside it is read or deleted."""
+@job("GET /api/incidents")
+def incidents(folder: ProjectFolder) -> IncidentsAnswer:
+    """All incidents; one that cannot be read costs only itself."""
+    names, has_more = folder.folders_with(RECORD_NAME)
+    # Their names begin with the time.
+    names.sort(key=lambda name: PurePosixPath(name).name, reverse=True)
+    return IncidentsAnswer(
+        incidents=tuple(_listed(folder, names[:MAX_INCIDENTS])),
+        has_more=has_more or len(names) > MAX_INCIDENTS,
+    )
 
-    def __init__(self, folder: ProjectFolder) -> None:
-        self._folder = folder
 
-    def incidents(self) -> IncidentsAnswer:
-        """All incidents; one that cannot be read costs only itself."""
-        names, has_more = self._folder.folders_with(RECORD_NAME)
-        # Their names begin with the time.
-        names.sort(key=lambda name: PurePosixPath(name).name, reverse=True)
-        return IncidentsAnswer(
-            incidents=tuple(self._listed(names[:MAX_INCIDENTS])),
-            has_more=has_more or len(names) > MAX_INCIDENTS,
-        )
-
-    def incident(self, request: OneIncidentRequest) -> IncidentAnswer:
-        """One incident."""
-        store, last = self._store(request.name)
-        return self._answer(request.name, store.incident(last))
-
-    def mark_read(self, request: OneIncidentRequest) -> None:
-        """Somebody who may delete it has read an incident."""
-        store, last = self._store(request.name)
+@job("POST /api/incident", reads=True)
+def incident(request: OneIncidentRequest, folder: ProjectFolder, permission: Permission) -> IncidentAnswer:
+    """One incident, which somebody who may delete it has read now."""
+    store, last = _store(folder, request.name)
+    answer = _answer(folder, request.name, store.incident(last))
+    if permission is Permission.CHANGE:
         store.mark_read(last)
+    return answer
 
-    def delete(self, request: OneIncidentRequest) -> IncidentsAnswer:
-        """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
-        store, last = self._store(request.name)
-        store.delete(last)
-        return self.incidents()
 
-    def bag(self, name: str) -> Path:
-        """The folder of an incident, which is a bag."""
-        store, last = self._store(name)
-        store.incident(last)
-        return self._folder.bag(name)
+@job("POST /api/incident/delete")
+def delete(request: OneIncidentRequest, folder: ProjectFolder) -> IncidentsAnswer:
+    """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
+    store, last = _store(folder, request.name)
+    store.delete(last)
+    return incidents(folder)
 
-    def zipped(self, name: str) -> tuple[str, Iterator[bytes]]:
-        """A name without blanks and slashes, and the pieces of a .zip with all files of an incident."""
-        store, last = self._store(name)
-        return last, zip_pieces(store.files(last), last)
 
-    def _listed(self, names: list[str]) -> Iterator[ListedIncident]:
-        for name in names:
-            size_bytes = 0
-            try:
-                store, last = self._store(name)
-                size_bytes = store.size_bytes(last)
-                stored = store.incident(last)
-            except TestudoError as error:
-                problem = told_of_listed(error)
-                yield ListedIncident(name=name, size_bytes=size_bytes, problem=problem, incident=None)
-            else:
-                listed = stored.listed()
-                yield ListedIncident(name=name, size_bytes=size_bytes, problem="", incident=listed)
+@job("GET /api/incident/zip")
+def zipped(name: str, folder: ProjectFolder) -> Download:
+    """All files of an incident."""
+    store, last = _store(folder, name)
+    return Download(name=last, pieces=zip_pieces(store.files(last), last))
 
-    def _store(self, name: str) -> tuple[IncidentStore, str]:
-        path = self._folder.path(name)
-        # A link is a record that cannot be read, not a folder without one.
-        if not (path / RECORD_NAME).is_symlink() and not (path / RECORD_NAME).exists():
-            raise MissingFileError("there is no such incident in the project", place=name)
-        return IncidentStore(path.parent), path.name
 
-    def _answer(self, name: str, stored: StoredIncident) -> IncidentAnswer:
-        record = stored.record
-        rule_file = self._rule_file(record.path)
-        return IncidentAnswer(
-            name=name,
-            size_bytes=stored.size_bytes,
-            record=record,
-            units=dict(_units(record)),
-            rule_file=rule_file,
-            is_same_text=rule_file is not None and self._sha256(rule_file) == record.rules_sha256,
-        )
-
-    def _rule_file(self, path: str) -> str | None:
-        """The rule file of the project that ends most like ``path``; ``None`` without one of that name."""
-        parts = PurePosixPath(path).parts[::-1]
-        files, _ = self._folder.files()
-        alike = {
-            one.name: _common(parts, PurePosixPath(one.name).parts[::-1])
-            for one in files
-            if one.kind is FileKind.RULES
-        }
-        best = max(alike, key=lambda name: alike[name], default=None)
-        return best if best is not None and alike[best] else None
-
-    def _sha256(self, name: str) -> str | None:
+def _listed(folder: ProjectFolder, names: list[str]) -> Iterator[ListedIncident]:
+    for name in names:
+        size_bytes = 0
         try:
-            return self._folder.read(name).sha256
-        except TestudoError:
-            # Who opens it is told what is wrong with it.
-            return None
+            store, last = _store(folder, name)
+            size_bytes = store.size_bytes(last)
+            stored = store.incident(last)
+        except TestudoError as error:
+            problem = told_of_listed(error)
+            yield ListedIncident(name=name, size_bytes=size_bytes, problem=problem, incident=None)
+        else:
+            yield ListedIncident(name=name, size_bytes=size_bytes, problem="", incident=stored.listed())
+
+
+def _store(folder: ProjectFolder, name: str) -> tuple[IncidentStore, str]:
+    path = folder.path(name)
+    # A link is a record that cannot be read, not a folder without one.
+    if not (path / RECORD_NAME).is_symlink() and not (path / RECORD_NAME).exists():
+        raise MissingFileError("there is no such incident in the project", place=name)
+    return IncidentStore(path.parent), path.name
+
+
+def _answer(folder: ProjectFolder, name: str, stored: StoredIncident) -> IncidentAnswer:
+    record = stored.record
+    rule_file = _rule_file(folder, record.path)
+    return IncidentAnswer(
+        name=name,
+        size_bytes=stored.size_bytes,
+        record=record,
+        units=dict(_units(record)),
+        rule_file=rule_file,
+        is_same_text=rule_file is not None and _sha256(folder, rule_file) == record.rules_sha256,
+    )
+
+
+def _rule_file(folder: ProjectFolder, path: str) -> str | None:
+    """The rule file of the project that ends most like ``path``; ``None`` without one of that name."""
+    parts = PurePosixPath(path).parts[::-1]
+    files, _ = folder.files()
+    alike = {
+        one.name: _common(parts, PurePosixPath(one.name).parts[::-1])
+        for one in files
+        if one.kind is FileKind.RULES
+    }
+    best = max(alike, key=lambda name: alike[name], default=None)
+    return best if best is not None and alike[best] else None
+
+
+def _sha256(folder: ProjectFolder, name: str) -> str | None:
+    try:
+        return folder.read(name).sha256
+    except TestudoError:
+        # Who opens it is told what is wrong with it.
+        return None
 
 
 def _common(one: tuple[str, ...], other: tuple[str, ...]) -> int:
@@ -236,11 +235,12 @@ class IncidentCourse(Struct, frozen=True, kw_only=True):
     notices: tuple[str, ...]
 
 
-def incident_course(folder: Path, report: Callable[[float], None]) -> IncidentCourse:
-    """Read the messages of the incident in ``folder``; ``report`` gets the share done.
-
-    Raises ``RecordingError`` where record or recording cannot be read.
-    """
+@job("POST /api/incident/course", reads=True, limit=READING)
+def incident_course(request: IncidentCourseRequest, project: ProjectFolder, report: Report) -> IncidentCourse:
+    """Read the messages of an incident; ``RecordingError`` where record or recording cannot be read."""
+    store, last = _store(project, request.name)
+    store.incident(last)
+    folder = project.bag(request.name)
     record = read_record(folder)
     bins = _WindowBins(record)
     with open_recording(folder) as recording:
@@ -249,7 +249,7 @@ def incident_course(folder: Path, report: Callable[[float], None]) -> IncidentCo
         for done, (channel, stamp_ns, (size_bytes, head)) in enumerate(recording.heads(_HEAD_BYTES)):
             reading.on_message(channel, stamp_ns, head if size_bytes == len(head) else None)
             report(min(done / expected, 1.0))
-        notices = (*recording.notices(), *reading.notices())
+        notices = (*map(project.shown, recording.notices()), *reading.notices())
     unheard: dict[str, list[Missing]] = {}
     for one in record.missing:
         if one.reason in _UNHEARD:

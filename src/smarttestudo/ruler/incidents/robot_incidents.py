@@ -19,7 +19,8 @@ from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import FetchProgress, RemoteIncident, RemoteIncidents
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.incidents.incidents import told_of_listed
-from smarttestudo.ruler.tries.incident_keeping import INCIDENTS_FOLDER
+from smarttestudo.ruler.job import job
+from smarttestudo.ruler.tries.keep import INCIDENTS_FOLDER
 
 OpenIncidents: TypeAlias = Callable[[], AbstractContextManager[RemoteIncidents]]
 """Joins the link; raises ``LinkError`` where that cannot be."""
@@ -230,3 +231,23 @@ class RobotIncidents:
             done = path is not None
             state: Literal["done", "cancelled"] = "done" if done else "cancelled"
             fetch.state = replace(fetch.state, state=state, kept=target if done else None)
+
+
+@job("GET /api/robot-incidents")
+def robot_incidents(robots: RobotIncidents) -> RobotIncidentsAnswer:
+    return robots.incidents()
+
+
+@job("GET /api/robot-incidents/fetches")
+def fetches(robots: RobotIncidents) -> FetchesAnswer:
+    return robots.fetches()
+
+
+@job("POST /api/robot-incidents/fetch")
+def fetch(request: RobotIncidentRequest, robots: RobotIncidents) -> FetchesAnswer:
+    return robots.fetch(request)
+
+
+@job("POST /api/robot-incidents/cancel")
+def cancel(request: RobotIncidentRequest, robots: RobotIncidents) -> FetchesAnswer:
+    return robots.cancel(request)

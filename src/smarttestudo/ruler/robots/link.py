@@ -15,15 +15,19 @@ from contextlib import AbstractContextManager
 from types import MappingProxyType
 from typing import TypeVar
 
+from msgspec import Struct
+
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RemoteRobots
+from smarttestudo.ruler.job import job
 from smarttestudo.ruler.robots.checks import (
     RobotChecks,
     RobotChecksAnswer,
     RobotChecksRequest,
 )
 from smarttestudo.ruler.robots.history import RobotHistory, RobotHistoryAnswer
+from smarttestudo.ruler.robots.view import RobotStartAnswer, robot_start
 from smarttestudo.ruler.robots.watch import RobotWatch, SeenRobot
 
 _WAIT_S = 0.05
@@ -38,6 +42,22 @@ OpenRobots = Callable[[], AbstractContextManager[RemoteRobots]]
 """Entering it raises ``TestudoError`` where no robot can be heard."""
 _STARTING = "the Ruler is still looking for robots"
 _LEFT = "the Ruler listens to robots no more"
+
+
+class RobotRequest(Struct, frozen=True, kw_only=True):
+    """A robot by its node.
+
+    ``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that it keeps;
+    ``/api/robot/history`` → ``RobotHistoryAnswer``; ``/api/robot/start`` → ``RobotStartAnswer``.
+    """
+
+    node: str
+
+
+class UnknownRobotError(RosError):
+    """A robot without any status so far."""
+
+    status = 404
 
 
 class RobotLink:
@@ -68,11 +88,6 @@ class RobotLink:
         return self._problem
 
     @property
-    def remedy(self) -> str:
-        """The remedy where a robot is not heard."""
-        return self._problem or self._remedy
-
-    @property
     def seen(self) -> Mapping[str, SeenRobot]:
         """The robots by their ids."""
         return self._seen
@@ -84,11 +99,6 @@ class RobotLink:
     def checks(self, request: RobotChecksRequest) -> RobotChecksAnswer:
         """The values that a robot's checks read, and when its rules held; nothing of one that never spoke."""
         return self._checks.get(request.node, RobotChecks()).answer(request, time.monotonic())
-
-    @property
-    def is_up(self) -> bool:
-        """Whether robots are listened to."""
-        return self._is_up.is_set()
 
     def begin(self) -> None:
         """Listen, if that was not done or did not work some time ago."""
@@ -129,8 +139,28 @@ class RobotLink:
 
         return self._ask(order)
 
+    def require_known(self, node: str) -> None:
+        """Raise ``UnknownRobotError`` for a robot that never spoke, of which nothing is asked."""
+        if node not in self._seen:
+            raise UnknownRobotError(f"no status of {node} was received", remedy=self._problem or self._remedy)
+
     def topics(self) -> Mapping[str, str]:
-        """The types of what the robots' own nodes publish. Raises ``RosError``."""
+        """The types of what robots publish, as far as they can be known now."""
+        if not self._is_up.is_set():
+            return {}
+        relayed = {
+            topic: status.type_name
+            for seen in self._seen.values()
+            for topic, status in seen.status.topics.items()
+            if status.type_name is not None
+        }
+        try:
+            return {**relayed, **self._published()}
+        except TestudoError:
+            # Words to suggest come from the files, too.
+            return relayed
+
+    def _published(self) -> Mapping[str, str]:
 
         def order(robots: RemoteRobots, answer: Future[Mapping[str, str]]) -> None:
             robots.topics(None, lambda topics: _settle(answer, topics))
@@ -207,3 +237,24 @@ def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:
         answer.set_exception(result)
     else:
         answer.set_result(result)
+
+
+@job("POST /api/robot/history", reads=True)
+def robot_history(request: RobotRequest, robots: RobotLink) -> RobotHistoryAnswer:
+    """The last hour of a robot. Raises ``UnknownRobotError``."""
+    robots.require_known(request.node)
+    return robots.history(request.node)
+
+
+@job("POST /api/robot/checks", reads=True)
+def robot_checks(request: RobotChecksRequest, robots: RobotLink) -> RobotChecksAnswer:
+    """The checks and rules of a robot over the last minutes. Raises ``UnknownRobotError``."""
+    robots.require_known(request.node)
+    return robots.checks(request)
+
+
+@job("POST /api/robot/start", reads=True)
+def start_from_robot(request: RobotRequest, robots: RobotLink) -> RobotStartAnswer:
+    """A project from what a robot relays. Raises ``UnknownRobotError``."""
+    robots.require_known(request.node)
+    return robot_start(robots.seen[request.node].status)

@@ -7,15 +7,17 @@ from __future__ import annotations
 import hashlib
 import re
 from collections.abc import Mapping
-from typing import Literal, Protocol
+from typing import Literal
 
 from msgspec import Struct
 
 from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
+from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.remote_robots import RuleTexts
 from smarttestudo.language.parser import parse
 from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
+from smarttestudo.ruler.job import job
+from smarttestudo.ruler.robots.link import RobotLink, RobotRequest
 from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.rules.sharing import download_text
 from smarttestudo.ruler.rules.versions import differences, mean_the_same
@@ -34,26 +36,6 @@ _WORDS = re.compile(r"(?:(?P<place>\S+): )?error: (?P<cause>.*)", re.DOTALL)
 
 class RefusedByRobotError(RosError):
     """Refusal by a robot, in its own words."""
-
-
-class Parameters(Protocol):
-    """Parameters of robots, by node; both may raise ``RosError``."""
-
-    def get(self, node: str, names: list[str]) -> Values:
-        """Their values; ``None`` for one that the robot does not have."""
-
-    def set(self, node: str, values: Mapping[str, ParameterValue]) -> Refusals:
-        """Set them; the reasons of those that were refused."""
-
-
-class RobotRequest(Struct, frozen=True, kw_only=True):
-    """A robot by its node.
-
-    ``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that it keeps;
-    ``/api/robot/history`` → ``RobotHistoryAnswer``; ``/api/robot/start`` → ``RobotStartAnswer``.
-    """
-
-    node: str
 
 
 class PushRequest(Draft, frozen=True, kw_only=True):
@@ -129,12 +111,14 @@ class WriteAnswer(Struct, frozen=True, kw_only=True):
     previous_file: str
 
 
-def preview(robots: Parameters, request: PushRequest) -> PushPreview:
+@job("POST /api/push/preview", reads=True)
+def preview(request: PushRequest, robots: RobotLink) -> PushPreview:
     """Compare rules with those that a robot follows.
 
     Raises ``RefusedTextError`` for rules with errors, ``RuleFileError`` for levels that do not fit and
     ``RosError`` if the robot does not report its rules.
     """
+    robots.require_known(request.node)
     text = download_text(request)
     texts = _texts_of(robots, request.node)
     old, new = parse(texts.text, "the robot's rules"), parse(text, request.name)
@@ -148,7 +132,7 @@ def preview(robots: Parameters, request: PushRequest) -> PushPreview:
     )
 
 
-def _texts_of(robots: Parameters, node: str) -> RuleTexts:
+def _texts_of(robots: RobotLink, node: str) -> RuleTexts:
     """The rules that a robot follows. Raises ``RosError``."""
     value = robots.get(node, [_IN_FORCE])[_IN_FORCE]
     try:
@@ -161,12 +145,13 @@ def _texts_of(robots: Parameters, node: str) -> RuleTexts:
         ) from error
 
 
-def push(robots: Parameters, request: PushRequest) -> PushAnswer:
+@job("POST /api/push")
+def push(request: PushRequest, robots: RobotLink) -> PushAnswer:
     """Let a robot follow rules for ``CONFIRM_WITHIN_S``, unless it does already.
 
     Raises like ``preview``, and ``RefusedByRobotError``; then the robot goes on as before.
     """
-    change = preview(robots, request)
+    change = preview(request, robots)
     if not change.same:
         _set(robots, request.node, _TEXT, change.text_to_send, {_TEXT: request.name})
     return PushAnswer(
@@ -177,9 +162,11 @@ def push(robots: Parameters, request: PushRequest) -> PushAnswer:
     )
 
 
-def confirm(robots: Parameters, request: PushedRequest) -> ConfirmAnswer:
+@job("POST /api/push/confirm")
+def confirm(request: PushedRequest, robots: RobotLink) -> ConfirmAnswer:
     """Let the pushed rules hold for good. Raises ``RosError``, where they are gone, too."""
     node, sha256 = request.node, request.hash
+    robots.require_known(node)
     try:
         _set(robots, node, _CONFIRM, sha256, {})
     except RefusedByRobotError as error:
@@ -196,8 +183,10 @@ def confirm(robots: Parameters, request: PushedRequest) -> ConfirmAnswer:
     return ConfirmAnswer(state="confirmed", hash=sha256)
 
 
-def lasting(robots: Parameters, request: RobotRequest) -> LastingAnswer:
+@job("POST /api/push/lasting", reads=True)
+def lasting(request: RobotRequest, robots: RobotLink) -> LastingAnswer:
     """How long the rules last that a robot keeps. Raises ``RosError``."""
+    robots.require_known(request.node)
     values = robots.get(request.node, [_FILES, _WRITABLE, _MAY_WRITE])
     named = values[_FILES]
     files = tuple(named if isinstance(named, tuple) else filter(None, [str(named or "")]))
@@ -219,14 +208,15 @@ def _why_not(may_write: ParameterValue, files: tuple[str, ...]) -> str:
     return "It has several rule files, and what was sent is one text: put that into its files by other means."
 
 
-def write(robots: Parameters, request: PushedRequest) -> WriteAnswer:
+@job("POST /api/push/write")
+def write(request: PushedRequest, robots: RobotLink) -> WriteAnswer:
     """Have a robot write the rules that it keeps to its file. Raises ``RosError``."""
-    file = lasting(robots, RobotRequest(node=request.node)).writable_file
+    file = lasting(RobotRequest(node=request.node), robots).writable_file
     _set(robots, request.node, _WRITE, request.hash, {})
     return WriteAnswer(file=file, previous_file=f"{file}{PREVIOUS_SUFFIX}")
 
 
-def _set(robots: Parameters, node: str, name: str, value: str, called: Mapping[str, str]) -> None:
+def _set(robots: RobotLink, node: str, name: str, value: str, called: Mapping[str, str]) -> None:
     reason = robots.set(node, {name: value}).get(name)
     if reason is None:
         return

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from msgspec import Struct
@@ -17,10 +18,12 @@ from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import counted
 from smarttestudo.editing import CollectionPart, Document, comment_texts, read_document
+from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.statement_trees import StatementWriter
 from smarttestudo.ruler.rules.statements import Statement
 from smarttestudo.rules.profile_file import parse_profile
 
+_TEXTS_KEPT = 4
 WAY_TO_PROFILE = "choose or create a profile: its topic parameters say what each quality level is in Hz"
 
 
@@ -56,7 +59,9 @@ class CheckedText:
 
 
 class RefusedTextError(RuleFileError):
-    """Rules with errors, which stay where they are; ``checked`` has the findings."""
+    """Rules with errors, which stay where they are."""
+
+    status = 409
 
     def __init__(self, checked: CheckedText) -> None:
         errors = [one for one in checked.findings if one.severity is Severity.ERROR]
@@ -65,7 +70,7 @@ class RefusedTextError(RuleFileError):
             place=f"{errors[0].path}:{errors[0].span.line}:{errors[0].span.column}",
             remedy="fix them first",
         )
-        self.checked = checked
+        self.findings = placed_findings(checked.document, checked.findings)
 
 
 def check_text(draft: Draft) -> CheckedText:
@@ -73,6 +78,24 @@ def check_text(draft: Draft) -> CheckedText:
     document = read_document(draft.text, draft.name)
     context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
     return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
+
+
+class CheckedTexts:
+    """Texts of rule files, read and checked once however often the page asks about the last few."""
+
+    def __init__(self) -> None:
+        self._check: Callable[[Draft], CheckedText] = lru_cache(maxsize=_TEXTS_KEPT)(check_text)
+
+    def checked(self, draft: Draft, text: str | None = None) -> CheckedText:
+        """Checked text of a draft, or another ``text`` where one is given."""
+        return self._check(
+            Draft(
+                text=draft.text if text is None else text,
+                name=draft.name,
+                profile_text=draft.profile_text,
+                profile_name=draft.profile_name,
+            )
+        )
 
 
 def require_usable(draft: Draft) -> CheckedText:
@@ -160,6 +183,12 @@ class RuleDocument(Struct, frozen=True, kw_only=True):
     collections: tuple[PlacedCollection, ...]
     findings: tuple[PlacedFinding, ...]
     parses: bool
+
+
+@job("POST /api/document", reads=True)
+def document(draft: Draft, texts: CheckedTexts) -> RuleDocument:
+    """Statements and findings of a text."""
+    return rule_document(texts.checked(draft))
 
 
 def rule_document(checked: CheckedText) -> RuleDocument:

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import lru_cache
-
 from msgspec import Struct
 
 from smarttestudo.editing import (
@@ -22,27 +19,11 @@ from smarttestudo.editing import (
     replaced,
 )
 from smarttestudo.language.formatter import format_rules
-from smarttestudo.ruler.rules.document import (
-    CheckedText,
-    Draft,
-    RuleDocument,
-    Substitute,
-    check_text,
-    rule_document,
-)
-from smarttestudo.ruler.rules.sharing import ExportRequest, ImportRequest, exported, imported
+from smarttestudo.ruler.job import job
+from smarttestudo.ruler.rules.document import CheckedTexts, Draft, RuleDocument, Substitute, rule_document
 from smarttestudo.ruler.rules.statement_trees import Utf16, new_statement
 from smarttestudo.ruler.rules.statements import Statement
-from smarttestudo.ruler.rules.zones import (
-    MoveZone,
-    NewZone,
-    ResizeZone,
-    ZonesAnswer,
-    zone_edited,
-    zones_answer,
-)
-
-_TEXTS_KEPT = 4
+from smarttestudo.ruler.rules.zones import MoveZone, NewZone, ResizeZone, zone_edited
 
 
 class Replace(Struct, frozen=True, kw_only=True, tag_field="kind", tag="replace"):
@@ -109,58 +90,28 @@ class TextAnswer(Struct, frozen=True, kw_only=True):
     text: str
 
 
-class EditedTexts:
-    """Texts of rule files, read and checked once however often the page asks about the last few."""
-
-    def __init__(self) -> None:
-        self._check: Callable[[Draft], CheckedText] = lru_cache(maxsize=_TEXTS_KEPT)(check_text)
-
-    def document(self, draft: Draft) -> RuleDocument:
-        """Statements and findings of a text."""
-        return rule_document(self._checked(draft))
-
-    def zones(self, draft: Draft) -> ZonesAnswer:
-        """The zones of a text."""
-        return zones_answer(self._checked(draft))
-
-    def edit(self, request: EditRequest) -> EditAnswer:
-        """A text with edits. Raises ``EditError`` for one that the text or the language does not allow."""
-        text = request.text
-        for number, edit in enumerate(request.edits):
-            if isinstance(edit, Substitute):
-                text = _substituted(text, edit)
-            else:
-                document = read_document(text, request.name) if number else self._checked(request).document
-                text = _edited(document, edit)
-        return self._answer(request, text)
-
-    def import_rules(self, request: ImportRequest) -> EditAnswer:
-        """A text with statements of another one."""
-        return self._answer(request, imported(self._checked(request).document, request))
-
-    def _answer(self, request: Draft, text: str) -> EditAnswer:
-        return EditAnswer(text=text, document=rule_document(self._checked(request, text)))
-
-    def _checked(self, request: Draft, text: str | None = None) -> CheckedText:
-        """Checked text of a request, or another ``text`` where one is given."""
-        return self._check(
-            Draft(
-                text=request.text if text is None else text,
-                name=request.name,
-                profile_text=request.profile_text,
-                profile_name=request.profile_name,
-            )
-        )
+@job("POST /api/edit", reads=True)
+def edit(request: EditRequest, texts: CheckedTexts) -> EditAnswer:
+    """A text with edits. Raises ``EditError`` for one that the text or the language does not allow."""
+    text = request.text
+    for number, one in enumerate(request.edits):
+        if isinstance(one, Substitute):
+            text = _substituted(text, one)
+        else:
+            document = read_document(text, request.name) if number else texts.checked(request).document
+            text = _edited(document, one)
+    return edit_answer(request, text, texts)
 
 
+def edit_answer(draft: Draft, text: str, texts: CheckedTexts) -> EditAnswer:
+    """The answer with the text that a draft became."""
+    return EditAnswer(text=text, document=rule_document(texts.checked(draft, text)))
+
+
+@job("POST /api/format", reads=True)
 def format_text(draft: Draft) -> TextAnswer:
-    """``POST /api/format``: a text in the house style; one with errors as it is."""
+    """A text in the house style; one with errors as it is."""
     return TextAnswer(text=format_rules(draft.text, draft.name))
-
-
-def export(request: ExportRequest) -> TextAnswer:
-    """A rule file of some statements."""
-    return TextAnswer(text=exported(request))
 
 
 def _edited(before: Document, edit: StatementEdit) -> str:

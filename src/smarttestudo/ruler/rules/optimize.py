@@ -29,6 +29,7 @@ from smarttestudo.optimizer.joint import check_together, loads_of, missing_entri
 from smarttestudo.optimizer.model import Model
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.optimizer.rule_rates import Optimization, SolvedSubproblem
+from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.document import CheckedText, Draft, Substitute, require_usable
 from smarttestudo.ruler.rules.statement_trees import Utf16
 from smarttestudo.rules.optimize import OptimizeOutcome, UsableText, optimize_text
@@ -149,6 +150,7 @@ class OptimizeAnswer(Struct, frozen=True, kw_only=True):
     download_text: str | None
 
 
+@job("POST /api/optimize", reads=True)
 def optimize(request: OptimizeRequest) -> OptimizeAnswer:
     """Rates, loads and repairs.
 

@@ -26,7 +26,9 @@ from smarttestudo.editing import (
 from smarttestudo.language.formatter import first_line_end
 from smarttestudo.language.syntax import Block, KeepAtLeast, KeepWithin, SetFrequency, Statement
 from smarttestudo.optimizer.model import Model
+from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.document import (
+    CheckedTexts,
     Draft,
     RuleDocument,
     check_sound,
@@ -34,6 +36,7 @@ from smarttestudo.ruler.rules.document import (
     require_usable,
     rule_document,
 )
+from smarttestudo.ruler.rules.edits import EditAnswer, TextAnswer, edit_answer
 from smarttestudo.ruler.rules.optimize import optimize_draft
 from smarttestudo.rules.rule_sets import has_tiers
 
@@ -105,7 +108,8 @@ def download_text(draft: Draft) -> str:
     return outcome.rewritten
 
 
-def exported(request: ExportRequest) -> str:
+@job("POST /api/export", reads=True)
+def export(request: ExportRequest) -> TextAnswer:
     """A rule file of the statements ``ids``, as they are written, in their order.
 
     Raises ``RefusedTextError`` where these have errors; errors of the others do not matter.
@@ -118,7 +122,7 @@ def exported(request: ExportRequest) -> str:
     )
     text = line_end.join(["begin", body, "end", ""])
     require_sound(text, request.name)
-    return text
+    return TextAnswer(text=text)
 
 
 def _closed(entry: Entry, following: Entry | None, line_end: str) -> str:
@@ -147,6 +151,7 @@ def text_of(entry: Entry) -> str:
 _Word = tuple[str, str]
 
 
+@job("POST /api/import/preview", reads=True)
 def import_preview(request: ImportPreviewRequest) -> ImportPreview:
     """Preview of what another text could bring into a text."""
     other = check_sound(request.other_text, request.other_name)
@@ -165,6 +170,13 @@ def _conflicts(document: Document, other: Document) -> Iterator[ImportConflict]:
             yield ImportConflict(id=entry.id, is_same=True, message=f"is here already, in line {_line(twin)}")
         elif rival := named.get(_word(entry.statement)):
             yield ImportConflict(id=entry.id, is_same=False, message=_said(entry.statement, rival))
+
+
+@job("POST /api/import", reads=True)
+def import_rules(request: ImportRequest, texts: CheckedTexts) -> EditAnswer:
+    """A text with statements of another one."""
+    text = imported(texts.checked(request).document, request)
+    return edit_answer(request, text, texts)
 
 
 def imported(document: Document, request: ImportRequest) -> str:

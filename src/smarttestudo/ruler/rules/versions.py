@@ -26,13 +26,13 @@ from smarttestudo.language.syntax import (
     records_in,
     sets_in,
 )
-from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.files.version_store import (
     MAX_VERSIONS,
     VERSIONS_FOLDER,
     KeptVersion,
     VersionStore,
 )
+from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.edits import TextAnswer
 
 _Rates = Mapping[str, str]
@@ -235,32 +235,31 @@ class DifferenceAnswer(Struct, frozen=True, kw_only=True):
     new_parses: bool
 
 
-class Versions:
-    """The versions of the rule files in ``folder``."""
-
-    def __init__(self, folder: ProjectFolder) -> None:
-        self._store = VersionStore(folder)
-
-    def versions(self, name: str) -> VersionsAnswer:
-        """The versions of one rule file, each with what changed in it."""
-        kept = self._store.versions(name)
-        parsed = [self._parsed(name, one) for one in kept[: _readable(kept)]]
-        parsed += [None] * (len(kept) + 1 - len(parsed))
-        found = (_version(*each) for each in zip(kept, parsed, parsed[1:], strict=False))
-        return VersionsAnswer(versions=tuple(found), most=MAX_VERSIONS, folder=VERSIONS_FOLDER)
-
-    def _parsed(self, name: str, one: KeptVersion) -> ParseResult | None:
-        try:
-            return parse(self._store.text(name, one.id), name)
-        except TestudoError:
-            # One that cannot be read, or went away meanwhile, is listed without words.
-            return None
-
-    def version(self, request: VersionRequest) -> TextAnswer:
-        """One version; ``MissingFileError`` where it is not kept."""
-        return TextAnswer(text=self._store.text(request.name, request.id))
+@job("GET /api/versions")
+def versions(name: str, store: VersionStore) -> VersionsAnswer:
+    """The versions of one rule file, each with what changed in it."""
+    kept = store.versions(name)
+    parsed = [_parsed(store, name, one) for one in kept[: _readable(kept)]]
+    parsed += [None] * (len(kept) + 1 - len(parsed))
+    found = (_version(*each) for each in zip(kept, parsed, parsed[1:], strict=False))
+    return VersionsAnswer(versions=tuple(found), most=MAX_VERSIONS, folder=VERSIONS_FOLDER)
 
 
+def _parsed(store: VersionStore, name: str, one: KeptVersion) -> ParseResult | None:
+    try:
+        return parse(store.text(name, one.id), name)
+    except TestudoError:
+        # One that cannot be read, or went away meanwhile, is listed without words.
+        return None
+
+
+@job("POST /api/version", reads=True)
+def version(request: VersionRequest, store: VersionStore) -> TextAnswer:
+    """One version; ``MissingFileError`` where it is not kept."""
+    return TextAnswer(text=store.text(request.name, request.id))
+
+
+@job("POST /api/difference", reads=True)
 def difference(request: DifferenceRequest) -> DifferenceAnswer:
     """Compare two texts as a robot follows them."""
     old, new = parse(request.old_text, "old"), parse(request.new_text, "new")

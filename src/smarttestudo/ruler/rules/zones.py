@@ -37,7 +37,8 @@ from smarttestudo.editing.zones import (
 from smarttestudo.editing.zones.cover import MAX_RECTANGLES
 from smarttestudo.language.formatter import check_text
 from smarttestudo.language.syntax import Block, RateExpression, RateWord, SetFrequency, TopicName, sets_in
-from smarttestudo.ruler.rules.document import CheckedText
+from smarttestudo.ruler.job import job
+from smarttestudo.ruler.rules.document import CheckedText, CheckedTexts, Draft
 
 
 class PlacedZone(Struct, frozen=True, kw_only=True):
@@ -90,8 +91,10 @@ class _Rule:
     reading: ZoneReading
 
 
-def zones_answer(checked: CheckedText) -> ZonesAnswer:
+@job("POST /api/zones", reads=True)
+def zones(draft: Draft, texts: CheckedTexts) -> ZonesAnswer:
     """The zones of a text that can be read, and which clash."""
+    checked = texts.checked(draft)
     rules = [
         _Rule(id=entry.id, block=entry.statement, reading=zones_in(entry.statement.condition, resolve_topic))
         for entry in checked.document.entries
@@ -238,6 +241,7 @@ def zone_edited(document: Document, change: NewZone | MoveZone | ResizeZone) -> 
             return with_resized_zone(document, change.id, change.index, _bounded(change.rectangle))
 
 
+@job("POST /api/zones/cover", reads=True)
 def cover(request: CoverRequest) -> CoverAnswer:
     """The rectangles for a polygon; its corners are rounded to centimetres."""
     if not 1 <= request.max_rectangles <= MAX_RECTANGLES:

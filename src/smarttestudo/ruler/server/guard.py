@@ -9,114 +9,24 @@ that it makes point there (DNS rebinding); it can set neither ``Host`` nor ``Ori
 from __future__ import annotations
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from http.cookies import CookieError, SimpleCookie
 from ipaddress import ip_address
 from urllib.parse import parse_qs, urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
-from starlette.responses import HTMLResponse, RedirectResponse, Response
+from starlette.responses import RedirectResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocketClose
 
-from smarttestudo.ruler.server.errors import RequestError, error_answer
-
-_KEY = "testudo.permission"
-_READING = frozenset(("GET", "HEAD", "OPTIONS"))
-_READING_POSTS = frozenset(
-    f"/api/{path}"
-    for path in (
-        "background",
-        "background/path",
-        "check/course",
-        "difference",
-        "document",
-        "edit",
-        "export",
-        "format",
-        "import",
-        "import/preview",
-        "incident",
-        "incident/course",
-        "optimize",
-        "profile/accuracy",
-        "profile/check",
-        "profile/curve",
-        "profile/entry",
-        "profile/for",
-        "profile/levels",
-        "profile/measure",
-        "profile/parse",
-        "profile/write",
-        "push/lasting",
-        "push/preview",
-        "recording",
-        "robot/checks",
-        "robot/history",
-        "robot/start",
-        "try",
-        "try/headline",
-        "version",
-        "vocabulary",
-        "zones",
-        "zones/cover",
-    )
-)
-"""What is asked with a body and changes neither a file nor a robot."""
-
-
-class Permission(Enum):
-    """Permission of a request."""
-
-    CHANGE = "change"
-    WATCH = "watch"
-
-
-def note_permission(scope: Scope, permission: Permission) -> None:
-    """Keep what the sender of a request may do with the request."""
-    scope[_KEY] = permission
-
-
-def noted_permission(scope: Scope) -> Permission:
-    """Permission that was noted for the sender of a request."""
-    permission: Permission = scope[_KEY]
-    return permission
-
-
-def only_reads(method: str, path: str) -> bool:
-    """Whether a request changes neither a file nor a robot, whatever its body says."""
-    return method in _READING or (method == "POST" and path in _READING_POSTS)
-
-
-_TEXT = """<!doctype html>
-<html lang="en"><meta charset="utf-8"><title>ADIRF Ruler</title>
-<meta name="viewport" content="width=device-width">
-<meta name="color-scheme" content="light dark">
-<style>
-body { font: 1rem/1.5 system-ui, sans-serif; max-width: 40rem; margin: 3rem auto; padding: 0 1rem }
-</style>
-<main>
-<h1>The token is missing or wrong</h1>
-<p>Open the whole address that <code>testudo ruler</code> printed in its terminal, with all that follows
-<code>?token=</code>. It prints another one each time that it is started.</p>
-<p>A link that somebody copied from the page has no token. Open the printed address in this browser once;
-then the link works, too.</p>
-<p>If you did not start <code>testudo ruler</code>, ask whoever did. Nothing that this browser keeps of your
-work is lost.</p>
-</main>
-</html>
-"""
-
-
-def token_page(status: int) -> Response:
-    """The answer, with ``status``, to a browser that shows what it is sent."""
-    return HTMLResponse(_TEXT, status_code=status)
-
+from smarttestudo.ruler.job import Permission, RequestError
+from smarttestudo.ruler.server.page import token_page
+from smarttestudo.ruler.server.routes import error_answer, note_permission
 
 _FORBIDDEN, _UNAUTHORIZED = 403, 401
 _POLICY_VIOLATION = 1008
+_READING = frozenset(("GET", "HEAD", "OPTIONS"))
 _DEFAULT_PORT = 80
 POLICY = "; ".join(
     (
@@ -215,11 +125,15 @@ class ServerAddress:
 
 
 class Guard:
-    """Lets nothing through to ``app`` that ``access`` does not allow, and marks every answer."""
+    """Lets nothing through to ``app`` that ``access`` does not allow, and marks every answer.
 
-    def __init__(self, app: ASGIApp, access: ServerAddress) -> None:
+    Who only watches may ask what ``reading`` routes answer, which change neither a file nor a robot.
+    """
+
+    def __init__(self, app: ASGIApp, access: ServerAddress, reading: Collection[str]) -> None:
         self._app = app
         self._access = access
+        self._reading = frozenset(reading)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or close, what is not allowed."""
@@ -258,13 +172,19 @@ class Guard:
             remedy = "open the address with the token that testudo ruler printed"
             return RequestError("the token is missing or wrong", _UNAUTHORIZED, remedy=remedy)
         note_permission(scope, may)
-        if may is Permission.WATCH and _is_api(scope) and not _only_reads(scope):
+        if may is Permission.WATCH and _is_api(scope) and not self._only_reads(scope):
             return RequestError(
                 "you may only watch here: nothing was changed",
                 _FORBIDDEN,
                 remedy="ask whoever started testudo ruler for the address that may change things",
             )
         return None
+
+    def _only_reads(self, scope: Scope) -> bool:
+        """Whether a request changes neither a file nor a robot, whatever its body says."""
+        if scope["type"] == "websocket" or scope["method"] in _READING:
+            return True
+        return f"{scope['method']} {scope['path']}" in self._reading
 
     def _give_cookie(self, token: str) -> RedirectResponse:
         """Keep the token in a cookie, and out of the address."""
@@ -317,10 +237,6 @@ def _is_api(scope: Scope) -> bool:
 def _is_shown(scope: Scope) -> bool:
     """Whether a person is to read the answer, and no script."""
     return not _is_api(scope) and "text/html" in Headers(scope=scope).get("accept", "")
-
-
-def _only_reads(scope: Scope) -> bool:
-    return scope["type"] == "websocket" or only_reads(scope["method"], scope["path"])
 
 
 def _token_in(scope: Scope) -> str | None:

@@ -17,11 +17,11 @@ import msgspec
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from smarttestudo import __version__
-from smarttestudo.ruler.answer_json import answer_json
+from smarttestudo.ruler.job import Permission, answer_json
 from smarttestudo.ruler.robots.link import RobotLink
 from smarttestudo.ruler.robots.view import Live, RobotSummary, live_model, robot_summaries
 from smarttestudo.ruler.robots.watch import SeenRobot
-from smarttestudo.ruler.server.guard import Permission, noted_permission
+from smarttestudo.ruler.server.routes import noted_permission
 
 PROTOCOL_VERSION = 2
 MAX_UPDATE_HZ = 20.0

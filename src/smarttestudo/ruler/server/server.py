@@ -32,7 +32,6 @@ def serve(
     open_incidents: OpenIncidents | None,
     host: str,
     port: int,
-    opened: str | None,
     is_watch_only: bool,
     started: Callable[[ServerAddress], None],
 ) -> None:
@@ -45,7 +44,7 @@ def serve(
         port = listener.getsockname()[1]
         access = ServerAddress.at(host, port, machine=socket.gethostname(), is_watch_only=is_watch_only)
         started(access)
-        app = ruler_app(folder, access, open_robots, open_incidents=open_incidents, opened=opened)
+        app = ruler_app(folder, access, open_robots, open_incidents=open_incidents)
         server = server_of(app)
         # Ctrl-C is how a server ends: uvicorn raises it again once it has ended well.
         with contextlib.suppress(KeyboardInterrupt):

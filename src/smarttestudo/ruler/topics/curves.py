@@ -1,12 +1,11 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a topic loses at each rate, and the rates that its accuracies need, from a recording."""
+"""Loss of a topic at each rate, and the rates that its accuracies need, from a recording."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
 from msgspec import Struct
 
@@ -14,9 +13,13 @@ from smarttestudo.accuracy import accuracy_curve
 from smarttestudo.accuracy.curve import CurvePoint, LossCurve, measure_curves, worst_loss
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelledProperty, Profile
 from smarttestudo.domain.recording import types_of_topics
 from smarttestudo.optimizer.profiling import PROPOSED_BOUNDS, bounds_need_hz, levelled_properties
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.files.recordings import READING
+from smarttestudo.ruler.job import Report, RequestError, job
 from smarttestudo.ruler.topics.profiles import SixLevels, six_levels
 
 
@@ -57,10 +60,12 @@ class Curve(Struct, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
 
 
-def measured_curve(bag: Path, topic: str, report: Callable[[float], None]) -> Curve:
-    """The curve of ``topic``; ``report`` gets the share done. Raises ``RecordingError``."""
+@job("POST /api/profile/curve", reads=True, limit=READING)
+def measured_curve(request: CurveRequest, folder: ProjectFolder, report: Report) -> Curve:
+    """The curve of a topic. Raises ``RecordingError``."""
+    bag, topic = folder.bag(request.bag), _topic(request)
     curves = measure_curves(bag, topics=[topic], report=report)
-    notices = tuple(curves.notices)
+    notices = tuple(map(folder.shown, curves.notices))
     curve = next(iter(curves.curves), None)
     if curve is None:
         return Curve(notices=notices)
@@ -71,6 +76,12 @@ def measured_curve(bag: Path, topic: str, report: Callable[[float], None]) -> Cu
         tiers_hz=six_levels(proposal.tiers_hz) if proposal else None,
         notices=notices,
     )
+
+
+def _topic(request: CurveRequest) -> str:
+    if not is_topic_name(request.topic):
+        raise RequestError(f"{request.topic!r} is not a valid ROS 2 topic name", 400)
+    return resolve_topic(request.topic)
 
 
 def _point(point: CurvePoint, curve: LossCurve) -> LossPoint:
@@ -113,8 +124,10 @@ class AccuracyNeeds(Struct, frozen=True, kw_only=True):
     notices: tuple[str, ...] = ()
 
 
-def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> AccuracyNeeds:
-    """Measure what ``topic`` needs; ``report`` gets the share done. Raises ``RecordingError``."""
+@job("POST /api/profile/accuracy", reads=True, limit=READING)
+def measured_needs(request: CurveRequest, folder: ProjectFolder, report: Report) -> AccuracyNeeds:
+    """Measure what a topic needs. Raises ``RecordingError``."""
+    bag, topic = folder.bag(request.bag), _topic(request)
     with open_recording(bag) as recording:
         types = types_of_topics(recording.channels)
     if topic not in types:
@@ -130,7 +143,7 @@ def measured_needs(bag: Path, topic: str, report: Callable[[float], None]) -> Ac
     return AccuracyNeeds(
         source_hz=source_hz,
         properties=tuple(_needs(one, one.source_hz) for one in curves if one.source_hz),
-        notices=notices,
+        notices=tuple(map(folder.shown, notices)),
     )
 
 

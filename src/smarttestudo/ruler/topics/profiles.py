@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import islice
 from pathlib import Path, PurePosixPath
@@ -14,7 +15,7 @@ from typing import Any
 
 from msgspec import Struct, structs
 
-from smarttestudo.domain.errors import ProfileError, TestudoError
+from smarttestudo.domain.errors import ProfileError, TestudoError, UsageError
 from smarttestudo.domain.names import is_topic_name, resolve_topic
 from smarttestudo.domain.profile import LevelledProperty, Profile
 from smarttestudo.domain.rate import MAX_RATE_HZ
@@ -26,6 +27,7 @@ from smarttestudo.robot.ros import open_robot
 from smarttestudo.ruler.files.project import SettingsFile
 from smarttestudo.ruler.files.project_folder import FileKind, ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.files.recordings import BagRequest
+from smarttestudo.ruler.job import Limit, Report, job
 from smarttestudo.ruler.rules.edits import TextAnswer
 from smarttestudo.ruler.topics.vocabulary import topics_in
 from smarttestudo.rules.profile_edit import edited_profile
@@ -248,52 +250,52 @@ class LevelsAnswer(Struct, frozen=True, kw_only=True):
     tiers_hz: SixLevels
 
 
-class Profiles:
-    """The profiles and bags of ``folder``."""
+@job("POST /api/profile/for", reads=True)
+def choice(request: ProfileForRequest, folder: ProjectFolder, settings: SettingsFile) -> ProfileForAnswer:
+    """The profile that somebody chose for the rules; else the one that they are most likely meant for."""
+    chosen = settings.read().profiles.get(request.name)
+    if chosen is not None and (not chosen or _is_profile(folder, chosen)):
+        return ProfileForAnswer(name=chosen or None)
+    rules = parse(request.text, request.name)
+    return ProfileForAnswer(name=profile_for(request.name, rules, dict(_profiles(folder))), gone=chosen)
 
-    def __init__(self, folder: ProjectFolder, settings: SettingsFile) -> None:
-        self._folder = folder
-        self._settings = settings
 
-    def choice(self, request: ProfileForRequest) -> ProfileForAnswer:
-        """The profile that somebody chose for the rules; else the one that they are most likely meant for."""
-        chosen = self._settings.read().profiles.get(request.name)
-        if chosen is not None and (not chosen or self._is_profile(chosen)):
-            return ProfileForAnswer(name=chosen or None)
-        rules = parse(request.text, request.name)
-        return ProfileForAnswer(name=profile_for(request.name, rules, dict(self._profiles())), gone=chosen)
+@job("PUT /api/profile/for")
+def choose(request: ProfileChosenRequest, folder: ProjectFolder, settings: SettingsFile) -> ProfileForAnswer:
+    """Remember the profile of a rule file, for everybody who opens the project."""
+    for name, kind in ((request.name, FileKind.RULES), (request.profile, FileKind.PROFILE)):
+        if name is None:
+            continue
+        folder.path(name)
+        if folder.kind(name) is not kind:
+            raise ForbiddenPathError(f"this is no file of {kind.value}", place=name)
+    settings.set_profile(request.name, request.profile or "")
+    return ProfileForAnswer(name=request.profile)
 
-    def choose(self, request: ProfileChosenRequest) -> ProfileForAnswer:
-        """Remember the profile of a rule file, for everybody who opens the project."""
-        for name, kind in ((request.name, FileKind.RULES), (request.profile, FileKind.PROFILE)):
-            if name is None:
-                continue
-            self._folder.path(name)
-            if self._folder.kind(name) is not kind:
-                raise ForbiddenPathError(f"this is no file of {kind.value}", place=name)
-        self._settings.set_profile(request.name, request.profile or "")
-        return ProfileForAnswer(name=request.profile)
 
-    def _is_profile(self, name: str) -> bool:
+def _is_profile(folder: ProjectFolder, name: str) -> bool:
+    with suppress(TestudoError):
+        return folder.kind(name) is FileKind.PROFILE and folder.path(name).is_file()
+    return False
+
+
+def _profiles(folder: ProjectFolder) -> Iterator[tuple[str, Profile]]:
+    """The profiles of the project that can be read; other programs have TOML files, too."""
+    files, _ = folder.files()
+    names = (one.name for one in files if one.kind is FileKind.PROFILE)
+    for name in islice(names, _MAX_PROFILES):
         with suppress(TestudoError):
-            return self._folder.kind(name) is FileKind.PROFILE and self._folder.path(name).is_file()
-        return False
+            yield name, parse_profile(folder.read(name).text, Path(name))
 
-    def _profiles(self) -> Iterator[tuple[str, Profile]]:
-        """The profiles of the project that can be read; other programs have TOML files, too."""
-        files, _ = self._folder.files()
-        names = (one.name for one in files if one.kind is FileKind.PROFILE)
-        for name in islice(names, _MAX_PROFILES):
-            with suppress(TestudoError):
-                yield name, parse_profile(self._folder.read(name).text, Path(name))
 
-    def measured(self, request: BagRequest) -> TextAnswer:
-        """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
-        from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
-        from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
+@job("POST /api/profile/measure", reads=True)
+def measured(request: BagRequest, folder: ProjectFolder) -> TextAnswer:
+    """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
+    from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
+    from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
-        with open_recording(self._folder.bag(request.bag)) as recording:
-            return TextAnswer(text=profile_of_recording(recording, name=request.bag))
+    with open_recording(folder.bag(request.bag)) as recording:
+        return TextAnswer(text=profile_of_recording(recording, name=request.bag))
 
 
 def profile_for(name: str, rules: ParseResult, profiles: Mapping[str, Profile]) -> str | None:
@@ -317,23 +319,40 @@ def profile_for(name: str, rules: ParseResult, profiles: Mapping[str, Profile]) 
     return best if is_namesake or known > 0 or (is_near and not topics) else None
 
 
-def measured_on_robots(*, seconds: float, timeout_s: float, report: Callable[[float], None]) -> TextAnswer:
-    """A profile of what is published during ``seconds``; ``timeout_s`` is the wait for the first topic.
+MAX_SECONDS = 60.0
+# For the first topic to be seen, and for the process to begin and end.
+_FIRST_TOPIC_S = 5.0
+_MARGIN_S = 30.0
+_MEASURING = Limit(
+    limit_s=2 * (MAX_SECONDS + _FIRST_TOPIC_S) + _MARGIN_S,
+    too_long=TestudoError("measuring did not finish", remedy="try fewer seconds"),
+    broken=TestudoError("measuring ended without a result", remedy="try testudo profile --seconds"),
+)
 
-    ``report`` is told which share is done. Raises ``TestudoError`` where nothing can be measured.
-    """
+
+@job("POST /api/profile/measure-live", limit=_MEASURING)
+def measured_on_robots(request: MeasureLiveRequest, report: Report) -> TextAnswer:
+    """A profile of what is published now. Raises ``TestudoError`` where nothing can be measured."""
+    if not (math.isfinite(request.seconds) and 1 <= request.seconds <= MAX_SECONDS):
+        raise UsageError(f"robots are measured for 1 to {MAX_SECONDS:g} s", place="seconds")
     with open_robot(name=f"testudo_ruler_profile_{os.getpid()}") as robot:
         profile = profile_of_robot(
-            robot, seconds=seconds, timeout_s=timeout_s, steady_s=time.monotonic, report=report
+            robot,
+            seconds=request.seconds,
+            timeout_s=_FIRST_TOPIC_S,
+            steady_s=time.monotonic,
+            report=report,
         )
     return TextAnswer(text=profile.text)
 
 
+@job("POST /api/profile/parse", reads=True)
 def table_of(request: ProfileParseRequest) -> ProfileTable:
     """A profile as a table."""
     return read_table(request.text, Path(request.name))
 
 
+@job("POST /api/profile/entry", reads=True)
 def with_entry(request: ProfileEntryRequest) -> TextAnswer:
     """The text of a profile with one more entry; ``ProfileError`` where no profile can hold that."""
     path = Path(request.name)
@@ -342,11 +361,13 @@ def with_entry(request: ProfileEntryRequest) -> TextAnswer:
     )
 
 
+@job("POST /api/profile/write", reads=True)
 def written(request: ProfileWriteRequest) -> TextAnswer:
     """A table as a profile."""
     return TextAnswer(text=write_table(request, request.base_text, Path(request.name)))
 
 
+@job("POST /api/profile/check", reads=True)
 def checked(request: ProfileWriteRequest) -> ProfileCheckAnswer:
     """Whether ``written`` would do it, for a table that is being typed."""
     try:
@@ -356,6 +377,7 @@ def checked(request: ProfileWriteRequest) -> ProfileCheckAnswer:
     return ProfileCheckAnswer(problem="")
 
 
+@job("POST /api/profile/levels", reads=True)
 def levels_of_rate(request: LevelsRequest) -> LevelsAnswer:
     """Six levels to begin with, where nothing but the rate of the source is known."""
     if not 0 < request.source_hz <= MAX_RATE_HZ:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
 
@@ -29,6 +29,7 @@ from smarttestudo.language.syntax import (
     sets_in,
 )
 from smarttestudo.optimizer.problem import interval_hz
+from smarttestudo.ruler.job import job
 from smarttestudo.rules.profile_file import parse_profile
 
 
@@ -97,13 +98,18 @@ _EXAMPLE_TOPICS = (
 """The topics of a TurtleBot3, what people look at first; commands come last."""
 
 
-def vocabulary(request: VocabularyRequest, robot_topics: Mapping[str, str]) -> Vocabulary:
-    """Words to suggest; ``robot_topics`` are the types of what is live now."""
+RobotTopics = Callable[[], Mapping[str, str]]
+"""The types of what robots publish now."""
+
+
+@job("POST /api/vocabulary", reads=True)
+def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabulary:
+    """Words to suggest."""
     profile_text = request.profile_text
     profile = None if profile_text is None else parse_profile(profile_text, Path("profile.toml"))
     rules = None if request.text is None else parse(request.text, "the rules")
     return Vocabulary(
-        topics=tuple(_known_topics(profile, rules, robot_topics)),
+        topics=tuple(_known_topics(profile, rules, robot_topics())),
         every_topic=_properties(ARRIVAL_PROPERTIES.values(), TopicProfile()),
     )
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,6 +20,9 @@ from smarttestudo.editing import inserted_all, read_document
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.replays.replay import ReplayRequest, replay
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.files.recordings import READING
+from smarttestudo.ruler.job import Report, job
 from smarttestudo.ruler.rules.document import Draft, require_usable
 from smarttestudo.ruler.rules.statement_trees import new_statement
 from smarttestudo.ruler.rules.statements import (
@@ -49,13 +52,6 @@ class CheckCourseRequest(Struct, frozen=True, kw_only=True):
     run: str = ""
 
 
-class CheckCourseOrder(Draft, frozen=True, kw_only=True):
-    """The same as rules of one file: the first is the check, the last the condition; ``bag`` is a path."""
-
-    bag: str
-    run: str = ""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CheckCourse:
     """The values of a check's property in bins of ``bin_s``, and what held when; times are since the start.
@@ -73,34 +69,21 @@ class CheckCourse:
     notices: tuple[str, ...]
 
 
-def check_course_order(request: CheckCourseRequest, bag: Path) -> CheckCourseOrder:
-    """The order of ``request`` for the recording at ``bag``.
+@job("POST /api/check/course", reads=True, limit=READING)
+def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Report) -> CheckCourse:
+    """Replay the bag with that check alone.
 
     Raises:
         EditError: the condition cannot be written.
         RefusedTextError: it has errors.
         UsageError: it is no check, nor a ``For`` or ``Within`` on one.
+        RecordingError: the bag cannot be read.
     """
-    check = _check_in(request.condition)
-    conditions = [check] if request.condition is check else [check, request.condition]
-    full = SetStatement(topic=check.topic, rate=FullRate())
-    rules = [
-        new_statement(RuleStatement(name="Check", condition=condition, then=(full,), otherwise=()))
-        for condition in conditions
-    ]
-    empty = read_document("begin\nend\n", "check.adirf")
-    text = inserted_all(empty, empty.parts[-1].id, 0, rules)
-    order = CheckCourseOrder(
-        text=text, name="check.adirf", profile_text=request.profile_text, bag=str(bag), run=request.run
-    )
-    require_usable(order)
-    return order
-
-
-def check_course(order: CheckCourseOrder, report: Callable[[float], None]) -> CheckCourse:
-    """Replay the bag with that check alone; ``report`` gets the share done. Raises ``RecordingError``."""
-    with open_recording(Path(order.bag)) as recording:
-        rule_set = compiled_for(order, recording)
+    bag = folder.bag(request.bag)
+    draft = _draft(request)
+    require_usable(draft)
+    with open_recording(bag) as recording:
+        rule_set = compiled_for(draft, recording)
         truths = TruthWatch(rule_set, recording.start_ns, max_turns=MAX_TURNS)
         values = _ValueWatch(_signal_of(rule_set), recording.start_ns, recording.end_ns)
 
@@ -113,7 +96,7 @@ def check_course(order: CheckCourseOrder, report: Callable[[float], None]) -> Ch
                 recording=recording,
                 rule_set=rule_set,
                 output=Path(),
-                profile=order.profile() or Profile(),
+                profile=draft.profile() or Profile(),
                 report=report,
                 writer=WritesNothing(),
                 arrived=values.arrived,
@@ -129,8 +112,22 @@ def check_course(order: CheckCourseOrder, report: Callable[[float], None]) -> Ch
         greatest=tuple(values.greatest),
         check=check,
         condition=condition,
-        notices=(*outcome.notices, *_cut(truths)),
+        notices=(*map(folder.shown, outcome.notices), *_cut(truths)),
     )
+
+
+def _draft(request: CheckCourseRequest) -> Draft:
+    """The condition as rules of one file: the first is the check, the last the condition."""
+    check = _check_in(request.condition)
+    conditions = [check] if request.condition is check else [check, request.condition]
+    full = SetStatement(topic=check.topic, rate=FullRate())
+    rules = [
+        new_statement(RuleStatement(name="Check", condition=condition, then=(full,), otherwise=()))
+        for condition in conditions
+    ]
+    empty = read_document("begin\nend\n", "check.adirf")
+    text = inserted_all(empty, empty.parts[-1].id, 0, rules)
+    return Draft(text=text, name="check.adirf", profile_text=request.profile_text)
 
 
 def _cut(truths: TruthWatch) -> Iterator[str]:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.accuracy.reconstruction import TimeBins
@@ -14,6 +14,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import TraceAccumulator
 from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.decision import Decision, Reason, bound_texts
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import RecordingReader, types_of_topics
@@ -23,7 +24,10 @@ from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.replays.incidents import IncidentRequest
 from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
-from smarttestudo.ruler.rules.document import CheckedText, Draft, RefusedTextError
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.files.recordings import READING
+from smarttestudo.ruler.job import Report, job
+from smarttestudo.ruler.rules.document import CheckedText, Draft, RefusedTextError, require_usable
 from smarttestudo.ruler.tries.loss import (
     LossWatch,
     TriedRecording,
@@ -43,6 +47,8 @@ from smarttestudo.ruler.tries.watches import (
 from smarttestudo.rules.rule_sets import sha256_of_rules, tier_values_for
 
 MAX_BINS = 300
+# A name outside the project, and rules with errors.
+_REFUSED = (403, 409)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,9 +162,26 @@ def try_rules(
         return _trial(watches, outcome, tuple(decisions), bins, cuts)
 
 
-def tried_recording(draft: Draft, bag: Path, report: Callable[[float], None]) -> TriedRecording:
-    """The headline of ``try_rules``."""
-    return TriedRecording(headline=try_rules(draft, bag, report).headline())
+@job("POST /api/try", reads=True, limit=READING)
+def try_on(request: TryRequest, folder: ProjectFolder, report: Report) -> TryAnswer:
+    """Replay a bag of the project under rules; errors as of ``try_rules``."""
+    require_usable(request)
+    tried = try_rules(request, folder.bag(request.bag), report)
+    return replace(tried, notices=tuple(map(folder.shown, tried.notices)))
+
+
+def _not_tried(error: TestudoError) -> TriedRecording:
+    """Why a recording cannot be tried, which costs no other of its folder; a refusal is an error."""
+    if getattr(error, "status", None) in _REFUSED:
+        raise error
+    return TriedRecording(headline=None, problem=error.cause, remedy=error.remedy or "")
+
+
+# A folder is tried one recording after the other.
+@job("POST /api/try/headline", reads=True, limit=READING, repeats=True, failed=_not_tried)
+def headline(request: TryRequest, folder: ProjectFolder, report: Report) -> TriedRecording:
+    """The headline of ``try_on``."""
+    return TriedRecording(headline=try_on(request, folder, report).headline())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

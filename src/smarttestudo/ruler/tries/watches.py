@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is counted and noted while a recording is replayed for the page."""
+"""Watches that count and note while a recording is replayed for the page."""
 
 from __future__ import annotations
 
