@@ -77,9 +77,9 @@ def texts_of(folders: Sequence[str], ours: frozenset[str]) -> Iterator[ErrorText
             tree = ast.parse(path.read_text(encoding="utf-8"))
             constants = assigned(tree.body)
             yield from refusals(tree, constants)
-            for function in ast.walk(tree):
-                if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef):
-                    yield from texts_in(function, {**constants, **assigned(ast.walk(function))}, ours)
+            for node in ast.walk(tree):
+                if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Assign):
+                    yield from texts_in(node, {**constants, **assigned(ast.walk(node))}, ours)
 
 
 def refusals(tree: ast.AST, names: Mapping[str, list[ast.expr]]) -> Iterator[ErrorText]:
@@ -114,11 +114,9 @@ def assigned(nodes: Iterator[ast.AST] | Sequence[ast.AST]) -> dict[str, list[ast
     return values
 
 
-def texts_in(
-    function: ast.AST, names: Mapping[str, list[ast.expr]], ours: frozenset[str]
-) -> Iterator[ErrorText]:
-    """Those of one function."""
-    for call in ast.walk(function):
+def texts_in(node: ast.AST, names: Mapping[str, list[ast.expr]], ours: frozenset[str]) -> Iterator[ErrorText]:
+    """Those of one function or one assignment."""
+    for call in ast.walk(node):
         if not isinstance(call, ast.Call) or not call.args:
             continue
         called = ast.unparse(call.func)

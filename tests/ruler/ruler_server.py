@@ -18,9 +18,8 @@ from smarttestudo.robot.ros import open_graph_robots
 from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents
 from smarttestudo.ruler.robots.link import OpenRobots
-from smarttestudo.ruler.server.app import ruler_app
 from smarttestudo.ruler.server.guard import ServerAddress
-from smarttestudo.ruler.server.server import listening, server_of
+from smarttestudo.ruler.server.server import listening, ruler_app, server_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TIMEOUT_S = 120

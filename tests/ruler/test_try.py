@@ -26,7 +26,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.signal import Truth
 from smarttestudo.ruler.rules.document import Draft
-from smarttestudo.ruler.tries.try_rules import TrialLimits, TryAnswer, try_rules
+from smarttestudo.ruler.tries.try_rules import TryAnswer, TryLimits, try_rules
 
 STATEMENTS = """\
   SetFrequency /odom 10
@@ -167,12 +167,12 @@ def test_a_rule_holds_from_when_its_value_said_so(page: Page) -> None:
     assert set(raised) <= {t_s for t_s, truth in block["turns"] if truth == "true"}
 
 
-def tried_within(limits: TrialLimits, project: Path) -> TryAnswer:
+def tried_within(limits: TryLimits, project: Path) -> TryAnswer:
     return try_rules(Draft(text=RULES, name="rules.adirf"), project / "monday", lambda _: None, limits)
 
 
 def test_a_bag_with_more_messages_than_are_kept_says_for_how_long_its_loss_counts(project: Path) -> None:
-    tried = tried_within(TrialLimits(samples=20), project)
+    tried = tried_within(TryLimits(samples=20), project)
     assert sum(one.sent.messages for one in tried.loss.topics) == 20
     assert any(notice.endswith("s, in which 20 messages came") for notice in tried.notices)
 
@@ -262,7 +262,7 @@ def test_levels_can_begin_with_shares_of_the_sources_rate(page: Page) -> None:
 
 
 def test_many_decisions_are_cut_and_counted(project: Path) -> None:
-    tried = tried_within(TrialLimits(decisions=1), project)
+    tried = tried_within(TryLimits(decisions=1), project)
     assert len(tried.decisions) == 1
     assert tried.decision_count > 1
     assert any("only the first 1 decisions are shown" in notice for notice in tried.notices)
@@ -287,12 +287,12 @@ def test_decisions_say_which_bound_decides_and_whether_it_is_in_doubt(project: P
 
 
 def test_rules_that_turn_too_often_are_unknown_from_then_on(project: Path) -> None:
-    tried = tried_within(TrialLimits(turns=1), project)
+    tried = tried_within(TryLimits(turns=1), project)
     [block] = tried.blocks
     assert [truth for _, truth in block.turns] == [Truth.UNKNOWN, Truth.FALSE, Truth.UNKNOWN]
     after = f"their states after {block.turns[-1][0]:.1f} s are left out"
     assert f"rules changed their state more than 1 times; {after}" in tried.notices
-    whole = tried_within(TrialLimits(), project)
+    whole = tried_within(TryLimits(), project)
     assert [truth for _, truth in whole.blocks[0].turns] == [Truth.UNKNOWN, Truth.FALSE, Truth.TRUE]
     assert not any("are left out" in notice for notice in whole.notices)
 

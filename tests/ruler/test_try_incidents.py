@@ -18,7 +18,7 @@ from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, RULES, write_incidents
 from ruler.ruler_server import Page, served
 from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.tries.keep import MAX_KEEPS
-from smarttestudo.ruler.tries.try_rules import TrialLimits, try_rules
+from smarttestudo.ruler.tries.try_rules import TryLimits, try_rules
 
 TRY = {"text": RULES, "name": "far.adirf", "bag": "monday"}
 
@@ -80,7 +80,7 @@ def test_rules_that_record_nothing_say_so(page: Page) -> None:
 
 def test_what_is_not_shown_is_said(folder: Path) -> None:
     draft = Draft(text=RULES, name="far.adirf")
-    answer = try_rules(draft, folder / "monday", lambda _: None, TrialLimits(incidents=1))
+    answer = try_rules(draft, folder / "monday", lambda _: None, TryLimits(incidents=1))
     assert answer.incidents is not None
     assert [one.record.name for one in answer.incidents] == ["near miss"]
     assert "only the first 1 of 2 incidents are shown" in answer.notices

@@ -52,7 +52,7 @@ _REFUSED = (403, 409)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TrialLimits:
+class TryLimits:
     """How much of a long bag is kept: decisions, turns, messages that the loss counts, and incidents."""
 
     decisions: int = 2000
@@ -123,7 +123,7 @@ class TryAnswer(TryHeadline):
 
 
 def try_rules(
-    draft: Draft, bag: Path, report: Callable[[float], None], limits: TrialLimits | None = None
+    draft: Draft, bag: Path, report: Callable[[float], None], limits: TryLimits | None = None
 ) -> TryAnswer:
     """Replay ``bag`` under ``draft``; nothing is written. ``report`` gets the share done.
 
@@ -131,7 +131,7 @@ def try_rules(
         RefusedTextError: the rules have errors.
         RecordingError: the bag cannot be read.
     """
-    limits = limits or TrialLimits()
+    limits = limits or TryLimits()
     decisions: list[Decision] = []
     with open_recording(bag) as recording:
         rule_set, profile = compiled_for(draft, recording), draft.profile() or Profile()
@@ -159,7 +159,7 @@ def try_rules(
         )
         bins = _bins(recording.start_ns, recording.end_ns)
         cuts = _cuts(watches, outcome, decisions, limits)
-        return _trial(watches, outcome, tuple(decisions), bins, cuts)
+        return _answer(watches, outcome, tuple(decisions), bins, cuts)
 
 
 @job("POST /api/try", reads=True, limit=READING)
@@ -214,7 +214,7 @@ def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     return compile_rules(files, resolve_topic, tier_values_for(files, profile, resolve_topic))
 
 
-def _trial(
+def _answer(
     watches: _Watches,
     outcome: ReplayOutcome,
     decisions: tuple[Decision, ...],
@@ -273,7 +273,7 @@ def _decision(one: Decision) -> TryDecision:
 
 
 def _cuts(
-    watches: _Watches, outcome: ReplayOutcome, decisions: Sequence[Decision], limits: TrialLimits
+    watches: _Watches, outcome: ReplayOutcome, decisions: Sequence[Decision], limits: TryLimits
 ) -> Iterator[str]:
     truths, incidents = watches.truths, watches.incidents
     if outcome.decisions > len(decisions):
