@@ -49,6 +49,7 @@ OPERATOR, ROBOT = (
     "testudo run --rules rules.adirf --link tls/192.168.1.5:7447 --robot ada --zenoh-config robot.json5",
 )
 BESIDE = {
+    "docs/how-to/change-rules.md": ("testudo run --rules rules.adirf --allow-writing-rules",),
     "docs/how-to/dead-reckoning.md": (ROBOT,),
     "docs/how-to/fetch-incidents.md": (OPERATOR, f"{ROBOT} --incidents kept"),
     "docs/how-to/operators-end.md": (

@@ -13,6 +13,7 @@ from msgspec.structs import replace
 from language.written_rules import WrittenFile, written_files
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing import EditError
+from smarttestudo.editing.difference import differences, mean_the_same
 from smarttestudo.editing.document import condition_meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord

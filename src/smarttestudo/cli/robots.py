@@ -7,13 +7,21 @@ from __future__ import annotations
 import argparse
 import time
 from collections import Counter
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar
 
+from smarttestudo.cli.link_options import connect_options, warn
+from smarttestudo.cli.terminal import stop_signals
 from smarttestudo.domain.errors import RosError, TestudoError, UsageError
+from smarttestudo.domain.parameter import ParameterValue, Refusals, SilentNodeError, Values
 
 if TYPE_CHECKING:
     from smarttestudo.domain.remote_robots import RemoteRobots, Topics
+    from smarttestudo.domain.status import RuntimeStatus
+
+_Answer = TypeVar("_Answer")
 
 WAIT_S = 0.1
 _HEARD_WITHIN_S = 10.0
@@ -49,8 +57,17 @@ def topics_of_robot(robots: RemoteRobots, name: str | None, stopped: Callable[[]
     ``name`` is that on its link, or its id; it may be left out where there is one robot.
     """
     wait_for_all(robots, stopped, _HEARD_WITHIN_S)
-    answers: list[Topics | TestudoError] = []
-    robots.topics(_chosen(robots, name), answers.append)
+    return _answer(robots, stopped, partial(robots.topics, _chosen(robots, name)))
+
+
+def _answer(
+    robots: RemoteRobots,
+    stopped: Callable[[], bool],
+    ask: Callable[[Callable[[_Answer | TestudoError], None]], None],
+) -> _Answer:
+    """The answer to what ``ask`` asks, once it came. Raises ``TestudoError``."""
+    answers: list[_Answer | TestudoError] = []
+    ask(answers.append)
     while not answers:
         if stopped():
             raise RosError("stopped before the robot answered", place=robots.place)
@@ -60,14 +77,81 @@ def topics_of_robot(robots: RemoteRobots, name: str | None, stopped: Callable[[]
     return answers[0]
 
 
+class ChosenRobot:
+    """The robot that a command line names, on its graph or over a link, with its parameters.
+
+    ``get`` and ``set`` wait for the answer. Raises ``RosError``.
+    """
+
+    def __init__(self, robots: RemoteRobots, robot_id: str, stopped: Callable[[], bool]) -> None:
+        self.robot_id = robot_id
+        self.stopped = stopped
+        self._robots = robots
+
+    def status(self) -> RuntimeStatus:
+        """Its last status. Raises ``RosError`` once it is known to be gone."""
+        heard = self._robots.heard.get(self.robot_id)
+        if heard is None or not heard.is_present:
+            raise RosError("the robot has left", place=self.robot_id, remedy=self._robots.remedy)
+        return heard.status
+
+    def wait(self) -> None:
+        """Receive what comes, for a moment."""
+        self._robots.wait(WAIT_S)
+
+    def get(self, node: str, names: Sequence[str]) -> Values:
+        """The values of parameters; asked again once, since discovery may bring services after statuses."""
+        try:
+            return _answer(self._robots, self.stopped, partial(self._robots.get, node, names))
+        except SilentNodeError:
+            return _answer(self._robots, self.stopped, partial(self._robots.get, node, names))
+
+    def set(self, node: str, values: Mapping[str, ParameterValue]) -> Refusals:
+        """Set parameters; the reasons of those that were refused."""
+        return _answer(self._robots, self.stopped, partial(self._robots.set, node, values))
+
+
+def add_any_robot(parser: argparse.ArgumentParser) -> None:
+    """Add ``--robot`` for robots of a graph and over a link."""
+    parser.add_argument(
+        "--robot",
+        dest="robot_name",
+        metavar="NAME",
+        help="which robot or node, where several are heard, as testudo top calls it",
+    )
+
+
+@contextmanager
+def open_chosen_robot(arguments: argparse.Namespace, node: str) -> Iterator[ChosenRobot]:
+    """The robot of ``--robot`` at ``--connect``, else on the graph, once it was heard; ours is ``node``.
+
+    Raises ``UsageError`` where several could be meant, ``RosError`` where none is heard in ``--timeout``.
+    """
+    from smarttestudo.link.zenoh import open_link_robots  # noqa: PLC0415  one of both is not needed
+    from smarttestudo.robot.ros import open_graph_robots  # noqa: PLC0415
+
+    options = connect_options(arguments)
+    with ExitStack() as opened:
+        stopped = opened.enter_context(stop_signals())
+        robots: RemoteRobots = opened.enter_context(
+            open_graph_robots(node) if options is None else open_link_robots(options, warn)
+        )
+        wait_for_all(robots, stopped, arguments.timeout)
+        yield ChosenRobot(robots, _chosen(robots, arguments.robot_name), stopped)
+
+
 def _chosen(robots: RemoteRobots, name: str | None) -> str:
-    present = {robot_id: one.status.robot for robot_id, one in robots.heard.items() if one.is_present}
-    fitting = [robot_id for robot_id, robot in present.items() if name in (None, robot_id, robot)]
+    present = {robot_id: one.status for robot_id, one in robots.heard.items() if one.is_present}
+    names_of = {robot_id: (robot_id, status.robot, status.node) for robot_id, status in present.items()}
+    fitting = [robot_id for robot_id, names in names_of.items() if name is None or name in names]
     if len(fitting) == 1:
         return fitting[0]
-    times = Counter(present.values())
-    # Several nodes may have one name on the link; then their ids tell them apart.
-    labels = sorted(robot if times[robot] == 1 else robot_id for robot_id, robot in present.items())
+    times = Counter(status.robot for status in present.values())
+    # Several nodes may have one name on the link, or none; then their ids tell them apart.
+    labels = sorted(
+        status.robot if status.robot and times[status.robot] == 1 else robot_id
+        for robot_id, status in present.items()
+    )
     names = ", ".join(labels[:_NAMED])
     if fitting:
         cause, remedy = f"several robots are heard: {names}", "name one with --robot"

@@ -1,41 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rules from the editor to a running robot: what would change, the push, and its confirmation."""
+"""Rules from the editor to a running robot."""
 
 from __future__ import annotations
 
-import hashlib
-import re
-from collections.abc import Mapping
-from typing import Literal
-
 from msgspec import Struct
 
-from smarttestudo.domain.errors import RosError
-from smarttestudo.domain.parameter import ParameterValue
-from smarttestudo.domain.remote_robots import RuleTexts
-from smarttestudo.language.parser import parse
-from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
+from smarttestudo.robot import rule_push
+from smarttestudo.robot.rule_push import ConfirmAnswer, LastingAnswer, PushAnswer, PushPreview, WriteAnswer
 from smarttestudo.ruler.job import job
 from smarttestudo.ruler.robots.link import RobotLink, RobotRequest
 from smarttestudo.ruler.rules.document import Draft
 from smarttestudo.ruler.rules.sharing import download_text
-from smarttestudo.ruler.rules.versions import differences, mean_the_same
-from smarttestudo.rules.rule_files import PREVIOUS_SUFFIX
-
-_TEXT, _HASH, _CONFIRM, _IN_FORCE = "rules_text", "rules_hash", "confirm_hash", "rules_in_force"
-_WRITE, _WRITABLE, _MAY_WRITE, _FILES = (
-    "write_hash",
-    "writable_rules_file",
-    "allow_writing_rules",
-    "rules_file",
-)
-# "rules_text:3:5: error: cause; remedy", as a TestudoError is told.
-_WORDS = re.compile(r"(?:(?P<place>\S+): )?error: (?P<cause>.*)", re.DOTALL)
-
-
-class RefusedByRobotError(RosError):
-    """Refusal by a robot, in its own words."""
 
 
 class PushRequest(Draft, frozen=True, kw_only=True):
@@ -45,33 +21,6 @@ class PushRequest(Draft, frozen=True, kw_only=True):
     """
 
     node: str
-
-
-class PushPreview(Struct, frozen=True, kw_only=True):
-    """Changes that a push would make, in sentences; ``same`` if the rules mean the same to the robot.
-
-    ``text_to_send`` has numbers in the place of quality levels, since a robot may have no profile; ``hash``
-    is its SHA-256. ``robot_hash`` is that of what the robot follows now.
-    """
-
-    differences: tuple[str, ...]
-    same: bool
-    hash: str
-    robot_hash: str
-    text_to_send: str
-
-
-class PushAnswer(Struct, frozen=True, kw_only=True):
-    """``staged``: the rules hold for ``confirm_within_s``, and for good once ``hash`` is confirmed.
-
-    ``same``: nothing was sent, since the robot follows these rules already; ``hash`` is that of what it has.
-    A refusal by the robot is a 422 with the robot's own words.
-    """
-
-    state: Literal["staged", "same"]
-    hash: str
-    confirm_within_s: float
-    differences: tuple[str, ...]
 
 
 class PushedRequest(Struct, frozen=True, kw_only=True):
@@ -85,32 +34,6 @@ class PushedRequest(Struct, frozen=True, kw_only=True):
     hash: str
 
 
-class ConfirmAnswer(Struct, frozen=True, kw_only=True):
-    """The pushed rules hold for good."""
-
-    state: Literal["confirmed"]
-    hash: str
-
-
-class LastingAnswer(Struct, frozen=True, kw_only=True):
-    """Kept rules last until the robot's runtime ends or its ``files`` change, of which it may have none.
-
-    ``writable_file`` is the one that it lets kept rules be written to; where that is empty, ``why_not`` says
-    why.
-    """
-
-    files: tuple[str, ...]
-    writable_file: str
-    why_not: str
-
-
-class WriteAnswer(Struct, frozen=True, kw_only=True):
-    """The robot's ``file`` holds the rules; what it held is beside it, in ``previous_file``."""
-
-    file: str
-    previous_file: str
-
-
 @job("POST /api/push/preview", reads=True)
 def preview(request: PushRequest, robots: RobotLink) -> PushPreview:
     """Compare rules with those that a robot follows.
@@ -119,111 +42,31 @@ def preview(request: PushRequest, robots: RobotLink) -> PushPreview:
     ``RosError`` if the robot does not report its rules.
     """
     robots.require_known(request.node)
-    text = download_text(request)
-    texts = _texts_of(robots, request.node)
-    old, new = parse(texts.text, "the robot's rules"), parse(text, request.name)
-    is_same = bool(texts.files) and mean_the_same(old, new)
-    return PushPreview(
-        differences=() if is_same else differences(old, new) or ("the rules differ",),
-        same=is_same,
-        hash=hashlib.sha256(text.encode("utf-8")).hexdigest(),
-        robot_hash=texts.sha256,
-        text_to_send=text,
-    )
-
-
-def _texts_of(robots: RobotLink, node: str) -> RuleTexts:
-    """The rules that a robot follows. Raises ``RosError``."""
-    value = robots.get(node, [_IN_FORCE])[_IN_FORCE]
-    try:
-        return RuleTexts.from_text(str(value))
-    except ValueError as error:
-        raise RosError(
-            "the robot does not report its rules",
-            place=node,
-            remedy="update SmartTestudo on the robot",
-        ) from error
+    return rule_push.preview(robots, request.node, download_text(request), request.name)
 
 
 @job("POST /api/push")
 def push(request: PushRequest, robots: RobotLink) -> PushAnswer:
-    """Let a robot follow rules for ``CONFIRM_WITHIN_S``, unless it does already.
-
-    Raises like ``preview``, and ``RefusedByRobotError``; then the robot goes on as before.
-    """
-    change = preview(request, robots)
-    if not change.same:
-        _set(robots, request.node, _TEXT, change.text_to_send, {_TEXT: request.name})
-    return PushAnswer(
-        state="same" if change.same else "staged",
-        hash=change.robot_hash if change.same else change.hash,
-        confirm_within_s=CONFIRM_WITHIN_S,
-        differences=change.differences,
-    )
+    """Let a robot follow rules until they are confirmed. Raises like ``preview``, and ``RosError``."""
+    return rule_push.push(robots, request.node, preview(request, robots), request.name)
 
 
 @job("POST /api/push/confirm")
 def confirm(request: PushedRequest, robots: RobotLink) -> ConfirmAnswer:
     """Let the pushed rules hold for good. Raises ``RosError``, where they are gone, too."""
-    node, sha256 = request.node, request.hash
-    robots.require_known(node)
-    try:
-        _set(robots, node, _CONFIRM, sha256, {})
-    except RefusedByRobotError as error:
-        holds = robots.get(node, [_HASH])[_HASH]
-        if holds == sha256:
-            raise
-        raise RefusedByRobotError(
-            "the pushed rules are no longer in force: "
-            f"they were not confirmed within {CONFIRM_WITHIN_S} s, or other "
-            "rules replaced them",
-            place=node,
-            remedy=f"push them again; the robot's answer: {error.cause}",
-        ) from error
-    return ConfirmAnswer(state="confirmed", hash=sha256)
+    robots.require_known(request.node)
+    return rule_push.confirm(robots, request.node, request.hash)
 
 
 @job("POST /api/push/lasting", reads=True)
 def lasting(request: RobotRequest, robots: RobotLink) -> LastingAnswer:
     """How long the rules last that a robot keeps. Raises ``RosError``."""
     robots.require_known(request.node)
-    values = robots.get(request.node, [_FILES, _WRITABLE, _MAY_WRITE])
-    named = values[_FILES]
-    files = tuple(named if isinstance(named, tuple) else filter(None, [str(named or "")]))
-    writable = str(values[_WRITABLE] or "")
-    return LastingAnswer(
-        files=files,
-        writable_file=writable,
-        why_not="" if writable else _why_not(values[_MAY_WRITE], files),
-    )
-
-
-def _why_not(may_write: ParameterValue, files: tuple[str, ...]) -> str:
-    if may_write is None:
-        return "Its SmartTestudo is from before rules could be written: update it on the robot."
-    if may_write is not True:
-        return "It was not started with --allow-writing-rules, without which nothing is written to its files."
-    if not files:
-        return "It was started without a rule file."
-    return "It has several rule files, and what was sent is one text: put that into its files by other means."
+    return rule_push.lasting(robots, request.node)
 
 
 @job("POST /api/push/write")
 def write(request: PushedRequest, robots: RobotLink) -> WriteAnswer:
     """Have a robot write the rules that it keeps to its file. Raises ``RosError``."""
-    file = lasting(RobotRequest(node=request.node), robots).writable_file
-    _set(robots, request.node, _WRITE, request.hash, {})
-    return WriteAnswer(file=file, previous_file=f"{file}{PREVIOUS_SUFFIX}")
-
-
-def _set(robots: RobotLink, node: str, name: str, value: str, called: Mapping[str, str]) -> None:
-    reason = robots.set(node, {name: value}).get(name)
-    if reason is None:
-        return
-    words = _WORDS.fullmatch(reason)
-    if words is None:
-        raise RefusedByRobotError(reason or "the robot refused it without a reason", place=node)
-    place = words["place"] or node
-    for theirs, ours in called.items():
-        place = place.replace(theirs, ours, 1)
-    raise RefusedByRobotError(words["cause"], place=place)
+    robots.require_known(request.node)
+    return rule_push.write(robots, request.node, request.hash)

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from language.rule_strategies import rule_files
 from language.written_rules import WrittenFile, written_files
 from ruler.ruler_server import EXAMPLES
+from smarttestudo.editing.difference import differences, mean_the_same
 from smarttestudo.language.formatter import format_file, format_rules
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.syntax import Block, RuleFile, SetFrequency, Statement
-from smarttestudo.ruler.rules.versions import differences, mean_the_same
 
 WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
 
