@@ -41,6 +41,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.decision_log import decision_log
 from smarttestudo.loop.input_log import holds_inputs
 from smarttestudo.pacing.sample import WhenSlow
+from smarttestudo.replays.expected import read_expected, require_expected
 from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.report.replay_tables import bounds_table, rates_table, volume_table
 from smarttestudo.rules.profile_file import load_profile
@@ -56,8 +57,11 @@ _EXPLANATION = (
     "Source is the recording. SmartTestudo is what an operator would have received of the relayed topics, "
     "each at the rate that the rules gave it."
 )
-_OUTPUTS = {"output": "", "decisions": ".jsonl", "report": ".html", "incidents": ""}
-"""Options that name what is written, and the suffix of its name where each recording has its own."""
+_OUTPUTS = {"output": "", "decisions": ".jsonl", "report": ".html", "incidents": "", "expect": ".jsonl"}
+"""Options that name what is written, and the suffix of its name where each recording has its own.
+
+What is expected is written with ``--update`` only.
+"""
 
 
 def add_arguments(parser: CommandParser) -> None:
@@ -75,7 +79,7 @@ def add_arguments(parser: CommandParser) -> None:
         metavar="DIR",
         type=file_path,
         help="the new recording's folder; of several recordings a folder with one of each, as are "
-        "--decisions, --report and --incidents",
+        "--decisions, --report, --incidents and --expect",
     )
     _add_options(parser)
     add_several(parser)
@@ -109,6 +113,16 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
         "--decisions", metavar="FILE", type=file_path, help="write the decisions (JSON Lines)"
     )
     parser.add_argument(
+        "--expect",
+        metavar="FILE",
+        type=file_path,
+        help="decisions that --update wrote: end with 1 at the first that the rules make otherwise; --output "
+        "may be left out",
+    )
+    parser.add_argument(
+        "--update", action="store_true", help="write what is decided now to the file of --expect"
+    )
+    parser.add_argument(
         "--report", metavar="FILE", type=file_path, help="write a report that shows the replay (HTML)"
     )
     parser.add_argument(
@@ -129,6 +143,8 @@ def _add_options(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Replay; 1 if the rules have an error, or a recording could not be replayed."""
+    if arguments.update and arguments.expect is None:
+        raise UsageError("it needs expected decisions", place="--update", remedy="add --expect FILE")
     asked = recordings_asked(arguments)
     try:
         if len(asked) > 1:
@@ -149,8 +165,9 @@ def _with_outputs(arguments: argparse.Namespace, asked: Sequence[AskedOne]) -> l
         if folder is None:
             continue
         for number, path in enumerate([*outputs_of_each(asked, folder)]):
-            for parent in reversed(path.relative_to(folder).parents):
-                make_folder(folder / parent)
+            if option != "expect" or arguments.update:
+                for parent in reversed(path.relative_to(folder).parents):
+                    make_folder(folder / parent)
             with_outputs[number] = {**with_outputs[number], option: path.with_name(path.name + suffix)}
     return with_outputs
 
@@ -164,6 +181,20 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
     def measure(arguments: argparse.Namespace, progress: Progress) -> ReplayOutcome | InputsOutcome:
         """Replay one recording, or the inputs of a run."""
         _require_separate(arguments)
+        expected = None if arguments.expect is None or arguments.update else read_expected(arguments.expect)
+        result, decided = _Replays._replayed(arguments, progress)
+        if expected is not None:
+            require_expected(expected, decided, arguments.expect)
+        elif arguments.update:
+            with decision_log(arguments.expect) as write:
+                write(decided)
+        return result
+
+    @staticmethod
+    def _replayed(
+        arguments: argparse.Namespace, progress: Progress
+    ) -> tuple[ReplayOutcome | InputsOutcome, list[Decision]]:
+        """Replay one recording, or the inputs of a run, with the decisions."""
         if holds_inputs(arguments.bag):
             return _replayed_inputs(arguments)
         _require_rules(arguments)
@@ -175,6 +206,12 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
             rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
             rules.refuse_errors()
             return _replay(arguments, recording, profile or Profile(), rules, progress)
+
+    def finish(self, arguments: argparse.Namespace) -> None:
+        """Say that the decisions are as expected, or written."""
+        if arguments.expect is not None and not arguments.json:
+            done = "written to" if arguments.update else "as expected in"
+            write_line(f"decisions {done} {arguments.expect}")
 
     def columns(self) -> Mapping[str, Any]:
         """The columns of a topic."""
@@ -205,7 +242,9 @@ def _profile(arguments: argparse.Namespace) -> Profile | None:
 def _require_rules(arguments: argparse.Namespace) -> None:
     from smarttestudo.bags.bag_files import find_bag_files  # noqa: PLC0415  see measure
 
-    for option in ("rules", "output"):
+    if arguments.report is not None and arguments.output is None:
+        raise UsageError("it shows the new recording", place="--report", remedy="add --output")
+    for option in ("rules",) if arguments.expect is not None else ("rules", "output"):
         if getattr(arguments, option) is None:
             # Where nothing is, rules would not help.
             find_bag_files(arguments.bag)
@@ -221,7 +260,7 @@ def _require_separate(arguments: argparse.Namespace) -> None:
     )
 
 
-def _replayed_inputs(arguments: argparse.Namespace) -> InputsOutcome:
+def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list[Decision]]:
     """Decide anew over the inputs that a live run recorded."""
     from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see measure
 
@@ -229,14 +268,17 @@ def _replayed_inputs(arguments: argparse.Namespace) -> InputsOutcome:
         if getattr(arguments, option) is not None:
             cause = f"{arguments.bag} holds recorded inputs, which come with their own rules"
             raise UsageError(cause, place=f"--{option}", remedy="leave it out")
+    decisions: list[Decision] = []
     with ExitStack() as opened:
-        decided: Callable[[Sequence[Decision]], None] = _ignore
+        sinks: list[Callable[[Sequence[Decision]], None]] = [decisions.extend]
         if arguments.decisions is not None:
-            decided = opened.enter_context(decision_log(arguments.decisions))
-        return replay_inputs(arguments.bag, decided)
+            sinks.append(opened.enter_context(decision_log(arguments.decisions)))
+        return replay_inputs(arguments.bag, partial(_give, sinks)), decisions
 
 
-def _ignore(_: object) -> None: ...
+def _give(sinks: Sequence[Callable[[Sequence[Decision]], None]], decided: Sequence[Decision]) -> None:
+    for sink in sinks:
+        sink(decided)
 
 
 def _replay(
@@ -245,23 +287,18 @@ def _replay(
     profile: Profile,
     rules: LoadedRules,
     progress: Progress,
-) -> ReplayOutcome:
+) -> tuple[ReplayOutcome, list[Decision]]:
     from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  see measure
 
     decisions: list[Decision] = []
     with ExitStack() as opened:
-        sinks: list[Callable[[Sequence[Decision]], None]] = []
+        sinks: list[Callable[[Sequence[Decision]], None]] = [decisions.extend]
         if arguments.report is not None:
             write_report = opened.enter_context(whole_file(arguments.report, "the report"))
-            sinks.append(decisions.extend)
         # A report that cannot be made costs neither the recording nor the decisions.
         replaying = opened.enter_context(ExitStack())
         if arguments.decisions is not None:
             sinks.append(replaying.enter_context(decision_log(arguments.decisions)))
-
-        def decided(new: Sequence[Decision]) -> None:
-            for sink in sinks:
-                sink(new)
 
         with progress(f"Replaying {arguments.bag}") as report:
             outcome = replay(
@@ -275,7 +312,7 @@ def _replay(
                     output_topic=arguments.output_topic,
                     budget_kb_per_s=arguments.budget,
                     predict=_predicted(arguments.predict, rules.rule_set),
-                    decided=decided,
+                    decided=partial(_give, sinks),
                     report=report,
                     incidents=_incidents(arguments, rules),
                 )
@@ -285,7 +322,7 @@ def _replay(
             write_report(
                 _report(arguments, outcome, decisions, profile=profile, rules=rules, progress=progress)
             )
-        return outcome
+        return outcome, decisions
 
 
 def _predicted(topics: Sequence[str], rule_set: RuleSet) -> frozenset[str]:

@@ -10,7 +10,6 @@ from pathlib import Path
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import Channel
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.replays.replay import ReplayRequest, replay
 
@@ -25,21 +24,10 @@ def decisions_over(
             ReplayRequest(
                 recording=recording,
                 rule_set=rule_set,
-                output=Path(),
+                output=None,
                 profile=profile,
                 decided=decisions.extend,
                 report=report,
-                writer=_Nowhere(),
             )
         )
     return decisions
-
-
-class _Nowhere:
-    """A writer that keeps nothing."""
-
-    def add(self, _channel: Channel) -> None:
-        """Nothing is written."""
-
-    def write(self, _channel: Channel, _stamp_ns: int, _payload: bytes) -> None:
-        """Nothing is written."""

@@ -132,7 +132,7 @@ _WHY_UNREAD = "a long double, which ROS 2 lacks in Python"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReplayRequest:
-    """An opened recording, the rules, and the folder of the new recording.
+    """An opened recording, the rules, and the folder of the new recording, if there is to be one.
 
     Of topics in ``predict``, receivers show dead reckoning. ``output_topic`` names output topics, with
     ``{topic}`` for the source's full name. ``decided`` is given decisions in order, some at a time,
@@ -144,7 +144,7 @@ class ReplayRequest:
 
     recording: RecordingReader
     rule_set: RuleSet
-    output: Path
+    output: Path | None
     profile: Profile = field(default_factory=Profile)
     when_slow: WhenSlow = WhenSlow.PASS
     storage: Storage = Storage.SQLITE3
@@ -211,14 +211,24 @@ def _decoded(decoder: RosbagDecoder, channel: Channel, payload: bytes) -> object
 def _output(
     request: ReplayRequest, declared_bytes: Mapping[str, int]
 ) -> AbstractContextManager[RecordingWriter]:
-    if request.writer is not None:
-        return nullcontext(request.writer)
+    if request.writer is not None or request.output is None:
+        return nullcontext(request.writer or _Nowhere())
     return create_recording(
         request.output,
         storage=request.storage,
         declared_bytes=declared_bytes,
         custom_data=request.recording.custom_data,
     )
+
+
+class _Nowhere:
+    """A writer that keeps nothing."""
+
+    def add(self, _channel: Channel) -> None:
+        """Nothing is written."""
+
+    def write(self, _channel: Channel, _stamp_ns: int, _payload: bytes) -> None:
+        """Nothing is written."""
 
 
 class _Run:

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Decisions that rules are expected to make over a recording, and the first that they make otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import zip_longest
+from pathlib import Path
+
+from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.errors import TestudoError
+from smarttestudo.domain.json_text import json_text
+from smarttestudo.loop.decision_log import DecisionLogError, read_decisions
+from smarttestudo.robot.decisions import decision_line
+
+_REMEDY = "--update writes what is decided now"
+
+
+class UnexpectedDecisionError(TestudoError):
+    """The first decision that differs from the expected one."""
+
+
+def read_expected(path: Path) -> list[Decision]:
+    """The decisions in the file at ``path``. Raises ``DecisionLogError``."""
+    if not path.exists():
+        raise DecisionLogError("there are no expected decisions", place=str(path), remedy=_REMEDY)
+    return read_decisions(path)
+
+
+def require_expected(expected: Sequence[Decision], decided: Sequence[Decision], path: Path) -> None:
+    """Raise ``UnexpectedDecisionError`` where ``decided`` are not the ``expected`` ones of ``path``.
+
+    The lines of rules do not count, since each comment moves them.
+    """
+    for number, (one, other) in enumerate(zip_longest(expected, decided), 1):
+        if one is None or other is None or _compared(one) != _compared(other):
+            raise UnexpectedDecisionError(_difference(one, other), place=f"{path}:{number}", remedy=_REMEDY)
+
+
+def _compared(decision: Decision) -> Mapping[str, object]:
+    """The object of the file, without lines."""
+    planned = decision.planned
+    reasons = {name: replace(reason, line=None) for name, reason in planned.bound_reasons.items()}
+    return replace(decision, planned=replace(planned, line=None, bound_reasons=reasons)).to_json()
+
+
+def _difference(expected: Decision | None, decided: Decision | None) -> str:
+    first = expected or decided
+    assert first is not None
+    words = f"at {first.t_s:.3f} s: expected {_quoted(expected)}"
+    if expected is None or decided is None:
+        return f"{words}, decided {_quoted(decided)}"
+    is_later = f"{expected.t_s:.3f}" != f"{decided.t_s:.3f}"
+    if is_later or decision_line(expected) != decision_line(decided):
+        return f"{words}, decided {_quoted(decided)}{f' at {decided.t_s:.3f} s' * is_later}"
+    one, other = _compared(expected), _compared(decided)
+    name = next(key for key in (*one, *other) if one.get(key) != other.get(key))
+    entries = (json_text({name: each.get(name)}, ascii_only=False)[1:-1] for each in (one, other))
+    return f"{words} with {', decided '.join(entries)}"
+
+
+def _quoted(decision: Decision | None) -> str:
+    return "nothing more" if decision is None else f'"{decision_line(decision)}"'
