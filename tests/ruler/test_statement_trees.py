@@ -37,7 +37,6 @@ from smarttestudo.ruler.rules.statements import (
     UntilValue,
     WithinStatement,
 )
-from smarttestudo.ruler.rules.versions import differences, mean_the_same
 from smarttestudo.ruler.topics.vocabulary import VocabularyRequest, topics_in, vocabulary
 
 TEXT = """\
