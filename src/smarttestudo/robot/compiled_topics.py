@@ -87,8 +87,8 @@ class CompiledTopics:
         if self._relays is not None and self.makes_copies:
             self._relays.deliver(steady_ns)
 
-    def count(self, note: Callable[[Relayed], None]) -> None:
-        """Have the statistics as of now; ``note`` is given the beginning of each last relayed message."""
+    def count(self) -> None:
+        """Have the statistics as of now, and the meters the beginning of each last relayed message."""
         for topic in self._running:
             assert topic.compiled is not None
             relay, counts = self._loop.relays.relay(topic.name), topic.compiled.counts()
@@ -97,8 +97,8 @@ class CompiledTopics:
             elif relay is not None:
                 count(relay, counts)
             beginning, at_ns = counts.beginning, counts.relayed.last_ns
-            if beginning:
-                note(Relayed(topic.name, at_ns, beginning, len(beginning), repeated=False))
+            if beginning and topic.meters is not None:
+                topic.meters.note(Relayed(topic.name, at_ns, beginning, len(beginning), repeated=False))
 
     def leave_out(self, ahead_ns: int, now_ns: int) -> None:
         """The clock jumped ahead by so much, to ``now_ns``: take all topics back, with counts without that.

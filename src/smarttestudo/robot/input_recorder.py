@@ -33,12 +33,9 @@ class InputRecorder:
         self._robot = robot
         self._settings = settings
         self._note = note
+        self.is_recording = note is not None
+        """Whether the inputs are recorded, until that fails."""
         self._publishers: dict[Hashable, int] = {}
-
-    @property
-    def is_recording(self) -> bool:
-        """Whether the inputs are recorded."""
-        return self._note is not None
 
     def loop(self, rules: LiveRules, start_ns: int) -> RelayLoop:
         """A loop that starts with ``rules``."""
@@ -53,7 +50,7 @@ class InputRecorder:
         try:
             self._note(self._recorded(given, rules))
         except Exception as error:  # noqa: BLE001 - whatever recording fails of, relaying goes on
-            self._note = None
+            self._note, self.is_recording = None, False
             self._robot.log.warning(f"{said(error)}; no further inputs are recorded")
 
     def _recorded(self, given: LoopInput, rules: LiveRules) -> RecordedInput:

@@ -196,7 +196,7 @@ class LiveRun:
     ) -> None:
         """Take a message of a source: now, or a ``copy`` that the compiled relay of ``topic`` made before."""
         now_ns = self._now_ns() if copy is None else self._follow_clock(copy.at)
-        if payload is not None:
+        if payload is not None and self._on_message:
             self._notify_parts(topic, payload, publisher, now_ns)
         if copy is not None:
             if topic.is_given:
@@ -286,7 +286,8 @@ class LiveRun:
         self._handle(replace(given, stamp_ns=self._now_ns()))
 
     def _handle(self, given: LoopInput) -> None:
-        self._inputs.record(given, self.rules)
+        if self._inputs.is_recording:
+            self._inputs.record(given, self.rules)
         self._follow_loop(self.loop.handle(given))
 
     def _now_ns(self) -> int:
@@ -338,7 +339,6 @@ class LiveRun:
                 before_relays()
         for one in relayed:
             self._publish(one)
-            self._note(one)
 
     def _publish(self, relayed: Relayed) -> None:
         topic = self.topics.get(relayed.topic)
@@ -350,9 +350,6 @@ class LiveRun:
         finally:
             for part in self._publishing:
                 part.after_publish()
-
-    def _note(self, relayed: Relayed) -> None:
-        topic = self.topics.get(relayed.topic)
         if topic is not None and topic.meters is not None:
             topic.meters.note(relayed)
 
@@ -361,7 +358,7 @@ class LiveRun:
         now_ns = self._now_ns()
         self._handle(WakeInput(stamp_ns=now_ns))
         self._decided_by = None
-        self._compiled.count(self._note)
+        self._compiled.count()
         statistics = self.loop.relays.statistics
         status = self._status.measure(
             self.loop,
