@@ -102,9 +102,10 @@ def is_installed(type_name: str) -> bool:
 
 def decoded(topic: str, type_name: str, payload: Payload) -> object:
     """The message of a payload of ``topic``; its fields are read when asked for. Raises ``RosError``."""
-    kind = message_type(type_name, topic)
-    if not is_readable(kind):
-        raise RosError(f"{type_name} holds a long double or a wchar, which Python cannot read", place=topic)
+    try:
+        kind = _decodable(type_name)
+    except RosError as error:
+        raise RosError(error.cause, place=topic, remedy=error.remedy) from error
     data = payload[:]
     try:
         return message_view(kind, data, _class_of)
@@ -114,6 +115,15 @@ def decoded(topic: str, type_name: str, payload: Payload) -> object:
         return message
     except ValueError as error:
         raise RosError(f"a message is no {type_name}: {error}", place=topic) from error
+
+
+@lru_cache(maxsize=_CLASSES_KEPT)
+def _decodable(type_name: str) -> Any:
+    """The class of messages that can be decoded; looking for it takes as long as decoding one."""
+    kind = message_type(type_name, type_name)
+    if not is_readable(kind):
+        raise RosError(f"{type_name} holds a long double or a wchar, which Python cannot read")
+    return kind
 
 
 def _class_of(type_name: str) -> Any:
