@@ -197,7 +197,7 @@ def test_a_message_that_cannot_be_decoded_is_unknown_whatever_is_raised(error: E
 
     live = Relaying(Odd())
     live.change()
-    assert live.topics.decoded(live.known[BAD], b"\x00\x01\x00\x00") == Undecodable()
+    assert live.known[BAD].decoded(b"\x00\x01\x00\x00") == Undecodable()
 
 
 @pytest.mark.parametrize(("letters", "is_relayed"), [(239, True), (240, False), (247, False)])

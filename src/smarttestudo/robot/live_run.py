@@ -207,7 +207,7 @@ class LiveRun:
         if not topic.is_given:
             self._compiled.count_unrelayed(topic, size_bytes, now_ns)
             return
-        message = self._graph.decoded(topic, payload) if self.loop.needs_decoded(topic.name) else None
+        message = topic.decoded(payload) if self.loop.needs_decoded(topic.name) else None
         if topic.sampled is not None:
             self._sampling.received(topic.sampled, size_bytes)
         self._handle(MessageInput(now_ns, topic.name, payload, size_bytes, message, publisher))

@@ -11,8 +11,10 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.compiled_relay import CompiledRelay, MessageCopy
 from smarttestudo.domain.errors import TestudoError, error_at
 from smarttestudo.domain.names import require_publishable
+from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.robot import Endpoint, Payload, Publisher, Robot, Subscription
+from smarttestudo.domain.texts import SayOnce
 from smarttestudo.loop.statistics import RelayStatistics
 from smarttestudo.robot.gone_publishers import GonePublishers
 from smarttestudo.robot.losses import TopicLosses
@@ -163,6 +165,7 @@ class Topic:
         self.unrelayed: Flow | None = None
         self.meters: TopicMeters | None = None
         self._path = robot.data_path
+        self._warn_once = SayOnce(robot.log.warning)
         self._on_message = on_message
         self._on_problem = on_problem
         self._is_refused = False
@@ -253,6 +256,15 @@ class Topic:
             self._on_message(self, payload, publisher, copy)
         except Exception as error:  # noqa: BLE001 - see the class
             self.fail(error)
+
+    def decoded(self, payload: Payload) -> object:
+        """The message of a payload, or ``Undecodable``."""
+        assert self.source is not None
+        try:
+            return self._path.decode(self.name, self.source.type_name, payload)
+        except Exception:  # noqa: BLE001 - whatever it fails of, the message is what is not known
+            self._warn_once(f"{self.name}: a message could not be decoded; what checks read is unknown then")
+            return Undecodable()
 
     def publish(self, payload: Payload, publisher: Hashable) -> None:
         """Send a message on the output topic."""

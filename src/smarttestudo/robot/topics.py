@@ -10,8 +10,8 @@ from typing import TypeVar
 
 from smarttestudo.domain.errors import RosError, TestudoError, said
 from smarttestudo.domain.names import MAX_NAME_LENGTH
-from smarttestudo.domain.observation import ListenersChanged, SourceChanged, Undecodable
-from smarttestudo.domain.robot import UNKNOWN_NODE, Endpoint, GraphChange, Payload, Robot, relaying_nodes
+from smarttestudo.domain.observation import ListenersChanged, SourceChanged
+from smarttestudo.domain.robot import UNKNOWN_NODE, Endpoint, GraphChange, Robot, relaying_nodes
 from smarttestudo.domain.texts import SayOnce
 from smarttestudo.robot.source import LiveSource, instead_of, live_source, not_offered, suits
 from smarttestudo.robot.status_topics import DIAGNOSTICS_TOPIC
@@ -180,15 +180,6 @@ class LiveTopics:
         """The relayed topics that have, as of the last poll, a subscriber on a ROS graph."""
         relayed = self._by_output.values()
         return frozenset(topic.name for topic in relayed if any(one.gid for one in topic.subscribers))
-
-    def decoded(self, topic: Topic, payload: Payload) -> object:
-        """The message of a payload, or ``Undecodable``."""
-        assert topic.source is not None
-        try:
-            return self._data_path.decode(topic.name, topic.source.type_name, payload)
-        except Exception:  # noqa: BLE001 - whatever it fails of, the message is what is not known
-            self._warn_once(f"{topic.name}: a message could not be decoded; what checks read is unknown then")
-            return Undecodable()
 
     def _poll_operators(self, graph: GraphChange) -> None:
         moved = self._subscribers.poll(self._by_output, graph)

@@ -90,12 +90,10 @@ class LinkedNode(RosNode):
         return super().resolve_output(topic) if self._is_local else topic
 
     def subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Which operators subscribe to ``topic``, an output, now."""
         local = super().subscribers(topic) if self._is_local else ()
         return [*local, *self._operator()]
 
     def subscriber_count(self, topic: str) -> int:
-        """How many subscribers ``subscribers`` would find."""
         local = super().subscriber_count(topic) if self._is_local else 0
         return local + self._link.state.is_connected
 
@@ -150,12 +148,10 @@ class LinkedPath:
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` gets the publisher of each message."""
         return self._path.tells_publishers
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can pause."""
         return self._path.can_pause
 
     @property
@@ -164,13 +160,11 @@ class LinkedPath:
         return self._path.compiled
 
     def knows(self, type_name: str) -> bool:
-        """Whether the message type is installed."""
         return self._path.knows(type_name)
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Subscription:
-        """Have ``receive`` called with each message. Raises ``RosError``."""
         return self._path.subscribe(topic, type_name, qos, receive, priority=priority)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
@@ -185,7 +179,6 @@ class LinkedPath:
         return both
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload of ``topic``. Raises ``RosError``."""
         return self._path.decode(topic, type_name, payload)
 
 

@@ -122,7 +122,6 @@ class RosNode:
 
     @property
     def name(self) -> str:
-        """The full name of the node."""
         name: str = self._node.get_fully_qualified_name()
         return name
 
@@ -138,35 +137,28 @@ class RosNode:
 
     @property
     def has_output_domain(self) -> bool:
-        """Whether the operators are in another domain than the robot."""
         return self._operators is not self._node
 
     @property
     def senders_remedy(self) -> str | None:
-        """Environment variable for a process of this machine whose large messages are lost on the way."""
         return senders_remedy() if is_fast_dds() else None
 
     def now_ns(self) -> int:
-        """The node's clock, which is 0 while simulated time has not begun."""
         # Unless simulated, the clock of ROS is the system's, and that is asked for every message.
         now_ns: int = self._clock.now().nanoseconds if self.is_time_simulated else time.time_ns()
         return now_ns
 
     def resolve(self, topic: str) -> str:
-        """The full name of ``topic`` in the node's namespace, remapped."""
         return full_name(self._node, topic)
 
     def resolve_output(self, topic: str) -> str:
-        """The full name that a publisher of ``topic`` has where the operators are, remapped."""
         return full_name(self._operators, topic)
 
     def publishers(self, topic: str) -> Sequence[Endpoint]:
-        """Publishers of ``topic`` now, as far as discovered."""
         with ros_errors(topic):
             return [_endpoint(one, self._host) for one in self._node.get_publishers_info_by_topic(topic)]
 
     def publisher_count(self, topic: str) -> int:
-        """How many publishers ``publishers`` would find, for a fraction of its cost."""
         handle = self._node.handle
         with ros_errors(topic), handle:
             count: int = handle.get_count_publishers(topic)
@@ -180,7 +172,6 @@ class RosNode:
             ]
 
     def subscriber_count(self, topic: str) -> int:
-        """How many subscribers ``subscribers`` would find, for a fraction of its cost."""
         handle = self._operators.handle
         with ros_errors(topic), handle:
             count: int = handle.get_count_subscribers(topic)
@@ -191,30 +182,24 @@ class RosNode:
         return self.subscriber_count(topic)
 
     def own_subscribers(self, topic: str) -> Sequence[Endpoint]:
-        """Which of the robot's own nodes subscribe to ``topic`` now, as far as discovered."""
         with ros_errors(topic):
             return [_endpoint(one, self._host) for one in self._node.get_subscriptions_info_by_topic(topic)]
 
     def own_publisher(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Publisher of ``topic`` among the robot's own nodes, for any thread. Raises ``RosError``."""
         return RclpyPublisher(self._node, topic, type_name, qos)
 
     def topics(self) -> Mapping[str, Sequence[str]]:
-        """The types of each topic that somebody publishes or subscribes to, by its full name."""
         with ros_errors():
             found = dict(self._node.get_topic_names_and_types())
         return {name: types for name, types in found.items() if is_known_to_ros(name)}
 
     def begins_with_header(self, type_name: str) -> bool:
-        """Whether messages of that type begin with a std_msgs/Header; not where it is not installed."""
         return begins_with_header(type_name)
 
     def definition(self, type_name: str) -> str:
-        """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
         return message_definition(type_name)
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
-        """Sender of a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""
         return diagnostics_publisher(self._operators, topic, self._clock)
 
     def text_publisher(
@@ -224,7 +209,6 @@ class RosNode:
         *,
         goes_over_link: bool = True,  # noqa: ARG002 - this one has no link
     ) -> Callable[[str], None]:
-        """Sender of a std_msgs/msg/String on ``topic``; both may raise ``RosError``."""
         text_type = message_type("std_msgs/msg/String", topic)
         with ros_errors(topic):
             publisher = self._operators.create_publisher(text_type, topic, qos_profile(qos))
@@ -236,13 +220,11 @@ class RosNode:
         return publish
 
     def steady_ns(self) -> int:
-        """Time that passes, from an unknown start; on Linux also while the machine sleeps."""
         if sys.platform == "linux":
             return time.clock_gettime_ns(time.CLOCK_BOOTTIME)
         return time.monotonic_ns()
 
     def declare(self, parameters: Sequence[Parameter], accept: Accept) -> Mapping[str, ParameterValue]:
-        """Have these parameters, to be called once; their values. Raises ``UsageError`` for a wrong one."""
         return self._parameters.declare(parameters, accept)
 
     def show(self, name: str, value: ParameterValue) -> None:
@@ -250,11 +232,9 @@ class RosNode:
         self._parameters.show(name, value)
 
     def parameters(self, names: Sequence[str]) -> Values:
-        """The values of declared parameters; ``None`` for others."""
         return self._parameters.values(names)
 
     def set_parameters(self, values: Values) -> Refusals:
-        """Set declared parameters as somebody on the graph may, each by itself; why some were refused."""
         return self._parameters.set(values)
 
     def offer_trigger(self, name: str, act: Callable[[], str]) -> None:
@@ -279,7 +259,6 @@ class RosNode:
         self._graph_polls = GraphPolls(self._timers, poll, lambda: path.tells_graph, time.monotonic)
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
-        """Handle what comes next; return after it, at ``wake_ns`` or after ``longest_s`` in real time."""
         timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))
         # Simulated time moves only with a message on /clock, and that ends the wait.
         if wake_ns is not None and not self.is_time_simulated:

@@ -56,7 +56,6 @@ class RclpyPath:
         self._warn_once = SayOnce(lambda line: node.get_logger().warning(line))
 
     def knows(self, type_name: str) -> bool:
-        """Whether the message type is installed."""
         return is_installed(type_name)
 
     def subscribe(
@@ -74,11 +73,9 @@ class RclpyPath:
         return RclpySubscription(self._node, topic, type_name, qos, receive, is_decoded=False)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Publish on ``topic``. Raises ``RosError``."""
         return RclpyPublisher(self._operators, topic, type_name, qos)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload of ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
 
     def wait(self, timeout_s: float) -> None:
@@ -133,7 +130,6 @@ class RclpyPublisher:
             self._handle = node.create_publisher(message_type(type_name, topic), topic, qos_profile(qos))
 
     def publish(self, payload: Payload) -> None:
-        """Send a serialized message. Raises ``RosError``."""
         with ros_errors(self._topic):
             self._handle.publish(payload[:])
 

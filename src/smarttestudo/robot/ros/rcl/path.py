@@ -152,12 +152,10 @@ class RclPath:
 
     @property
     def tells_publishers(self) -> bool:
-        """Whether ``receive`` gets the publisher of each message: its GID."""
         return self._layout.gid_bytes > 0
 
     @property
     def can_pause(self) -> bool:
-        """Whether subscriptions can pause, and still count what their source sends."""
         return self._layout.is_numbered
 
     @property
@@ -166,13 +164,11 @@ class RclPath:
         return self._graph.problem is None
 
     def knows(self, type_name: str) -> bool:
-        """Whether the message type is installed."""
         return is_installed(type_name)
 
     def subscribe(
         self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
     ) -> Subscription:
-        """Have ``receive`` called with each message. Raises ``RosError``."""
         if self._byte_topics.must_be_decoded(type_name):
             return self._byte_topics.subscribe(topic, type_name, qos, receive)
         return RclSource(
@@ -185,12 +181,10 @@ class RclPath:
         )
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
-        """Publish on ``topic``. Raises ``RosError``."""
         events = TimedCallbackGroup(self._may_warn)
         return RclPublisher(self._operators, self._library, topic, type_name, qos, events=events)
 
     def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        """The message of a payload of ``topic``. Raises ``RosError``."""
         return decoded(topic, type_name, payload)
 
     def wait(self, timeout_s: float) -> None:

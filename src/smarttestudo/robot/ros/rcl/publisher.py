@@ -62,7 +62,6 @@ class RclPublisher:
         self._end_relay = end_relay
 
     def publish(self, payload: Payload) -> None:
-        """Send a serialized message. Raises ``RosError``."""
         if isinstance(payload, RclPayload):
             self._publish(payload.address)
             return

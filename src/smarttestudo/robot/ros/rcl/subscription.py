@@ -301,21 +301,18 @@ class RclSource:
         return True
 
     def pause(self) -> None:
-        """Wake for no message from now on."""
         if not self._pauses and self._taker.numbers is not None:
             self._taker.numbers.pause()
             self._pauses = True
             self._succeed(replace(self._qos, depth=PAUSED_DEPTH))
 
     def arm(self) -> None:
-        """Receive the next message, then pause again; the newest that came in the pause is kept for now."""
         if self._is_paused:
             self._is_armed = True
             self._kept = self._taker.take_newest(self._subscription) or self._kept
             self._wake(self._subscription, wanted=True)
 
     def take_pending(self) -> bool:
-        """Receive what ``arm`` kept, since nothing newer came; whether there was anything."""
         kept, self._kept = self._kept, None
         if kept is None:
             return False
@@ -323,7 +320,6 @@ class RclSource:
         return True
 
     def resume(self) -> None:
-        """Receive every message again."""
         if self._pauses and self._taker.numbers is not None:
             self._taker.numbers.resume()
             self._pauses = self._is_armed = False
@@ -336,7 +332,6 @@ class RclSource:
         return self._pauses and self._successor is None
 
     def close(self) -> None:
-        """Receive nothing more."""
         if self._end_relay is not None:
             self._end_relay()
         self._kept = None
