@@ -65,8 +65,8 @@ class SmallGraph(UnaskedRobot):
     keeps_newest = False
     has_output_domain = False
 
-    def __init__(self, *, tells_publishers: bool = True) -> None:
-        self.tells_publishers = tells_publishers
+    def __init__(self, *, identifies_publishers: bool = True) -> None:
+        self.identifies_publishers = identifies_publishers
         self.sources: dict[str, list[Endpoint]] = {}
         self.operators: dict[str, list[Endpoint]] = {}
         self.latched: dict[tuple[str, bytes], bytes] = {}
@@ -124,7 +124,7 @@ class SmallGraph(UnaskedRobot):
             self.latched[topic, gid] = payload
         for subscription in list(self.subscriptions):
             if subscription.topic == topic:
-                subscription.receive(payload, gid if self.tells_publishers else None)
+                subscription.receive(payload, gid if self.identifies_publishers else None)
 
     def subscribed(self) -> set[str]:
         return {subscription.topic for subscription in self.subscriptions}
@@ -213,7 +213,7 @@ class SmallGraph(UnaskedRobot):
         if qos.transient_local:
             for (latched_topic, gid), payload in self.latched.items():
                 if latched_topic == topic:
-                    receive(payload, gid if self.tells_publishers else None)
+                    receive(payload, gid if self.identifies_publishers else None)
         return subscription
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:

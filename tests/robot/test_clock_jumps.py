@@ -156,7 +156,7 @@ def test_a_poll_that_takes_long_sets_no_clock_back() -> None:
 class Recording(Part):
     """Records what rules say, as incidents do, but keeps it."""
 
-    hears_topics_only = True
+    receives_topics_only = True
     topics = frozenset({"/scan", "/go"})
 
     def __init__(self, graph: JumpingClock) -> None:

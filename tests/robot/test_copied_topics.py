@@ -223,7 +223,7 @@ class ActingGraph(SmallGraph):
 class Recording(Part):
     """Hears some of the topics, others from time to time; ``told`` is all that it was told."""
 
-    hears_topics_only = True
+    receives_topics_only = True
 
     def __init__(self, seed: int) -> None:
         self.chance = random.Random(seed)

@@ -183,7 +183,7 @@ def test_a_publisher_that_says_much_does_not_push_out_what_another_latched() -> 
 
 
 def test_where_publishers_cannot_be_told_apart_the_log_says_so() -> None:
-    graph = SmallGraph(tells_publishers=False)
+    graph = SmallGraph(identifies_publishers=False)
     two_publishers(graph)
     assert lines_with(graph, "told apart") == [
         "/map: its 2 publishers cannot be told apart and share one rate"

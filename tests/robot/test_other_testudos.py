@@ -52,11 +52,11 @@ class FedGraph(SmallGraph):
     fed_nodes = frozenset({RECEIVES})
 
 
-@pytest.mark.parametrize("tells_publishers", [True, False])
+@pytest.mark.parametrize("identifies_publishers", [True, False])
 def test_what_an_operators_end_publishes_here_of_this_robot_is_not_relayed_again(
-    tells_publishers: bool,
+    identifies_publishers: bool,
 ) -> None:
-    graph = FedGraph(tells_publishers=tells_publishers)
+    graph = FedGraph(identifies_publishers=identifies_publishers)
     live = Live(graph, "/imu", "/op/imu")
     for topic in ("/testudo/imu", "/testudo/op/imu"):
         graph.listens(topic)
@@ -105,7 +105,7 @@ def test_where_publishers_are_told_apart_only_the_robots_own_messages_are_relaye
 
 
 def test_where_they_are_not_told_apart_the_topic_waits_until_that_one_is_gone() -> None:
-    graph = FedGraph(tells_publishers=False)
+    graph = FedGraph(identifies_publishers=False)
     live = Live(graph, "/imu")
     graph.listens("/testudo/imu")
     graph.joins("/imu", DRIVER)

@@ -40,7 +40,7 @@ def test_where_librcl_cannot_be_used_messages_go_through_rclpy_and_it_says_why()
         assert path.description.startswith(
             "rclpy, at a higher cost, because librcl cannot be used directly: librcl.so: cannot open"
         )
-        assert not path.tells_publishers
+        assert not path.identifies_publishers
         assert not path.can_pause
 
 

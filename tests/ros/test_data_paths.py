@@ -161,7 +161,7 @@ def test_publishers_are_told_apart_where_the_path_says_so(robot: Robot) -> None:
     for publisher in (*publishers, *publishers):
         publisher.publish(text("hello"))
     wait_until(robot, lambda: len(heard.publishers) == 4)
-    if path.tells_publishers:
+    if path.identifies_publishers:
         assert len(set(heard.publishers)) == 2
         assert all(heard.publishers.count(publisher) == 2 for publisher in heard.publishers)
     else:

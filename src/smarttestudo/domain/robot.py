@@ -157,7 +157,7 @@ class DataPath(Protocol):
         """Which path this is, and why or what it can do, for the log."""
 
     @property
-    def tells_publishers(self) -> bool:
+    def identifies_publishers(self) -> bool:
         """Whether ``receive`` gets the publisher of each message: its GID, as ``bytes``."""
 
     @property

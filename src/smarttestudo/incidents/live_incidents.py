@@ -53,7 +53,7 @@ class LiveIncidents(Part):
     Raises ``OutputFileError`` where the folder cannot be made, or another run records into it.
     """
 
-    hears_topics_only = True
+    receives_topics_only = True
 
     def __init__(self, context: PartContext, folder: Path) -> None:
         robot, settings = context.robot, context.settings

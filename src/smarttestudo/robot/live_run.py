@@ -75,7 +75,7 @@ class LiveRun:
         is_lazy = not inputs.is_recording and not any(part.needs_every_message for part in parts)
         self.topics: dict[str, Topic] = {}
         self._graph = LiveTopics(robot, self.topics, self._receive, self._priority_of, is_lazy=is_lazy)
-        needs_all = any(_does(part, "on_message") and not part.hears_topics_only for part in parts)
+        needs_all = any(_does(part, "on_message") and not part.receives_topics_only for part in parts)
         relays = None if needs_all or inputs.is_recording else robot.data_path.compiled
         self._sees_passed = bool(self._before_relays or self._publishing)
         """Whether a part sees what is published, so that no compiled relay publishes it."""
@@ -229,7 +229,7 @@ class LiveRun:
             self._handle(GraphInput(stamp_ns=now_ns, sources=sources))
         for topic in self.topics.values():
             if topic.subscription is not None and topic.source is not None:
-                self._tell_source(topic, topic.source, now_ns)
+                self._notify_source(topic, topic.source, now_ns)
         if listeners := tuple(self._graph.listeners()):
             self._handle(GraphInput(stamp_ns=now_ns, listeners=listeners))
         self._choose_paths(now_ns, is_quiet=graph is GraphChange.NONE)
@@ -238,7 +238,7 @@ class LiveRun:
         for part in self._parts:
             part.on_graph()
 
-    def _tell_source(self, topic: Topic, source: LiveSource, now_ns: int) -> None:
+    def _notify_source(self, topic: Topic, source: LiveSource, now_ns: int) -> None:
         for part in self._parts:
             try:
                 part.on_source(topic.name, source, now_ns)

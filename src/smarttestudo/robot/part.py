@@ -52,7 +52,7 @@ class Part:
     topics: frozenset[str] = frozenset()
     """The topics that are subscribed to because of it, relayed or not; read after ``on_wake`` too."""
 
-    hears_topics_only: bool = False
+    receives_topics_only: bool = False
     """Whether ``on_message`` needs to be called for ``topics`` only: others may be relayed without Python."""
 
     poll_s: float | None = None

@@ -367,7 +367,8 @@ class Topic:
         require_publishable(output, self.name)
         return PublisherPool(
             lambda: self._path.advertise(output, source.type_name, source.qos),
-            one_each=self._path.tells_publishers and (source.qos.transient_local or self._path.keeps_newest),
+            one_each=self._path.identifies_publishers
+            and (source.qos.transient_local or self._path.keeps_newest),
         )
 
     def _subscribe(self, source: LiveSource) -> None:

@@ -257,7 +257,7 @@ class LiveTopics:
         self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]
     ) -> TestudoError | None:
         """Why a topic is not relayed: what is sent of it would come back without end."""
-        if self._data_path.tells_publishers or len(endpoints) == len(own):
+        if self._data_path.identifies_publishers or len(endpoints) == len(own):
             return None
         if self._robot.fed_nodes.isdisjoint(one.node for one in endpoints):
             return None
@@ -271,16 +271,16 @@ class LiveTopics:
         if any(one.node.endswith(UNKNOWN_NODE) for one in endpoints):
             # Whose they are is known a moment later.
             return
-        if topic in _OF_EVERY_RUN and self._data_path.tells_publishers:
+        if topic in _OF_EVERY_RUN and self._data_path.identifies_publishers:
             # Nothing is amiss, and its own messages are left out.
             return
         if endpoints and not own:
             self._warn_once(f"{topic}: only SmartTestudo nodes publish it, so it is not relayed")
-        elif len(endpoints) > len(own) and self._data_path.tells_publishers:
+        elif len(endpoints) > len(own) and self._data_path.identifies_publishers:
             self._warn_once(f"{topic}: a SmartTestudo node publishes it too; its messages are not relayed")
         elif len(endpoints) > len(own):
             self._warn_once(f"{topic}: a SmartTestudo node publishes it too; they cannot be told apart")
-        if len(own) > 1 and not self._data_path.tells_publishers:
+        if len(own) > 1 and not self._data_path.identifies_publishers:
             self._warn_once(f"{topic}: its {len(own)} publishers cannot be told apart and share one rate")
 
     def _report(self, topic: Topic, source: LiveSource) -> None:

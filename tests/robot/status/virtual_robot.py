@@ -53,7 +53,7 @@ class VirtualRobot(UnaskedRobot):
     listeners: int = 0
     has_output_domain: bool = False
     description: str = "in virtual time"
-    tells_publishers: bool = True
+    identifies_publishers: bool = True
     can_pause: bool = False
     compiled: None = None
     keeps_newest: bool = False

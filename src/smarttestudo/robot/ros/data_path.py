@@ -39,7 +39,7 @@ def open_data_path(
 ) -> RclPath | RclpyPath:
     """The path of that kind, or the best that works here; ``operators`` is the node that publishes.
 
-    It is closed by ``opened``. ``on_graph_change`` is called within its ``wait`` where it ``tells_graph``.
+    It is closed by ``opened``. ``on_graph_change`` is called within its ``wait`` where it ``reports_graph``.
     Raises ``RosError`` where librcl or compiled relays were asked for and do not work.
     """
     byte_topics = ByteTopics(node, come_serialized=come_serialized(node, executor.spin_once))

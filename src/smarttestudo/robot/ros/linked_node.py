@@ -147,8 +147,8 @@ class LinkedPath:
         return f"{self._path.description}; out over the link{' and on the graph' * self._is_local}"
 
     @property
-    def tells_publishers(self) -> bool:
-        return self._path.tells_publishers
+    def identifies_publishers(self) -> bool:
+        return self._path.identifies_publishers
 
     @property
     def can_pause(self) -> bool:

@@ -256,7 +256,7 @@ class RosNode:
     def poll_graph(self, poll: PollGraph) -> None:
         """Have ``poll`` called soon after publishers or subscribers came or went, and now and then."""
         path = self._open_data_path()
-        self._graph_polls = GraphPolls(self._timers, poll, lambda: path.tells_graph, time.monotonic)
+        self._graph_polls = GraphPolls(self._timers, poll, lambda: path.reports_graph, time.monotonic)
 
     def wait(self, wake_ns: int | None, longest_s: float) -> None:
         timeout_s = min(longest_s, max(self._timers.due_s - time.monotonic(), 0.0))

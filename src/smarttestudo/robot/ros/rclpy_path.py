@@ -41,10 +41,10 @@ class SameTimeout(float):
 class RclpyPath:
     """Raw subscriptions of a node, none of which pauses, and publishers of the node ``operators``."""
 
-    tells_publishers = False
+    identifies_publishers = False
     can_pause = False
     keeps_newest = False
-    tells_graph = False
+    reports_graph = False
     compiled = None
 
     def __init__(self, node: Any, executor: Any, operators: Any, byte_topics: ByteTopics, why: str) -> None:

@@ -106,7 +106,7 @@ class RclPath:
     """Subscriptions whose messages rclpy's executor never sees, and publishers that take them as they are.
 
     ``compiled`` is what relays topics without Python, where there is a library for it. ``on_graph_change`` is
-    called when publishers or subscribers came or went, within ``wait``, while the path ``tells_graph``.
+    called when publishers or subscribers came or went, within ``wait``, while the path ``reports_graph``.
     """
 
     keeps_newest = False
@@ -143,7 +143,7 @@ class RclPath:
     @property
     def description(self) -> str:
         """Which path this is, and what it can do."""
-        publishers = "publishers told apart" if self.tells_publishers else "publishers not told apart"
+        publishers = "publishers told apart" if self.identifies_publishers else "publishers not told apart"
         numbered = f"messages {'' if self.can_pause else 'not '}numbered"
         compiled = f"{'no ' if self.compiled is None else ''}compiled relays"
         problem = self._graph.problem
@@ -151,7 +151,7 @@ class RclPath:
         return f"librcl, {publishers}, {numbered}, {compiled}{looks}"
 
     @property
-    def tells_publishers(self) -> bool:
+    def identifies_publishers(self) -> bool:
         return self._layout.gid_bytes > 0
 
     @property
@@ -159,7 +159,7 @@ class RclPath:
         return self._layout.is_numbered
 
     @property
-    def tells_graph(self) -> bool:
+    def reports_graph(self) -> bool:
         """Whether ``on_graph_change`` is called."""
         return self._graph.problem is None
 
@@ -190,7 +190,7 @@ class RclPath:
     def wait(self, timeout_s: float) -> None:
         """Deliver what comes next; return after it or after ``timeout_s``."""
         self._wake_ups.wait(timeout_s)
-        self._rclpy_part.poll(UNTOLD_PERIOD_S if self.tells_graph else LEAST_PERIOD_S)
+        self._rclpy_part.poll(UNTOLD_PERIOD_S if self.reports_graph else LEAST_PERIOD_S)
 
     def close(self) -> None:
         """Deliver nothing more."""
@@ -214,7 +214,7 @@ class RclPath:
 
     def _may_warn(self) -> bool:
         # The executor takes milliseconds to wait for the events of hundreds of publishers.
-        return not self.tells_graph or time.monotonic() < self._changed_s + WARNS_S
+        return not self.reports_graph or time.monotonic() < self._changed_s + WARNS_S
 
     def _failed(self, error: RosError) -> None:
         if str(error) not in self._failures:
