@@ -7,13 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from smarttestudo.domain.compiled_relay import (
-    MAX_PERIOD_NS,
-    CompiledRelays,
-    Copying,
-    MessageCopy,
-    RelayState,
-)
+from smarttestudo.domain.compiled_relay import MAX_PERIOD_NS, CompiledRelays, Copying, MessageCopy, RelayState
 from smarttestudo.domain.rate_meter import Flow
 from smarttestudo.domain.robot import Subscription
 from smarttestudo.loop.hand_over import count, count_flow, hand_over, take_back, unrelayed

@@ -10,13 +10,7 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.observation import Undecodable
 from smarttestudo.domain.robot import Robot
-from smarttestudo.loop.inputs import (
-    LoopInput,
-    MessageInput,
-    RecordedInput,
-    RulesInput,
-    RuleTextsInput,
-)
+from smarttestudo.loop.inputs import LoopInput, MessageInput, RecordedInput, RulesInput, RuleTextsInput
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings

@@ -169,9 +169,7 @@ def lasting(robots: Parameters, node: str) -> LastingAnswer:
     files = tuple(named if isinstance(named, tuple) else filter(None, [str(named or "")]))
     writable = str(values[_WRITABLE] or "")
     return LastingAnswer(
-        files=files,
-        writable_file=writable,
-        why_not="" if writable else _why_not(values[_MAY_WRITE], files),
+        files=files, writable_file=writable, why_not="" if writable else _why_not(values[_MAY_WRITE], files)
     )
 
 

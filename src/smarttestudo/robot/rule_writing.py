@@ -8,12 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from smarttestudo.domain.errors import RuleFileError, UsageError
-from smarttestudo.rules.rule_files import (
-    PREVIOUS_SUFFIX,
-    find_rule_files,
-    is_missing,
-    replace_rule_text,
-)
+from smarttestudo.rules.rule_files import PREVIOUS_SUFFIX, find_rule_files, is_missing, replace_rule_text
 
 _PLACE = "write_hash"
 

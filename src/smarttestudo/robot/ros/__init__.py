@@ -45,8 +45,7 @@ def open_robot(
         load_rclpy()
     except ImportError as error:
         raise RosError(
-            "this needs ROS 2 (rclpy)",
-            remedy=f"source your ROS setup; {how_to_get_ros()}",
+            "this needs ROS 2 (rclpy)", remedy=f"source your ROS setup; {how_to_get_ros()}"
         ) from error
     from smarttestudo.robot.ros.node import RosNode, open_node  # noqa: PLC0415  needs rclpy
 

@@ -85,10 +85,7 @@ def operators_node(node: Any, domain: OutputDomain | None) -> Iterator[Any]:
     discovery = {} if domain.discovery is None else discovery_variables(domain.discovery)
     with environment(discovery), ros_errors("--output-domain"):
         rclpy.init(
-            args=[],
-            context=context,
-            domain_id=domain.number,
-            signal_handler_options=SignalHandlerOptions.NO,
+            args=[], context=context, domain_id=domain.number, signal_handler_options=SignalHandlerOptions.NO
         )
     try:
         with ros_errors("--output-domain"):

@@ -39,17 +39,8 @@ from smarttestudo.robot.ros.contexts import operators_node, own_context
 from smarttestudo.robot.ros.data_path import open_data_path
 from smarttestudo.robot.ros.message_types import begins_with_header, message_definition, message_type
 from smarttestudo.robot.ros.node_log import node_log
-from smarttestudo.robot.ros.parameters import (
-    REMOTE_POLL_PERIOD_S,
-    NodeParameterClients,
-    NodeParameters,
-)
-from smarttestudo.robot.ros.qos import (
-    further_policies,
-    is_reliable,
-    is_transient_local,
-    qos_profile,
-)
+from smarttestudo.robot.ros.parameters import REMOTE_POLL_PERIOD_S, NodeParameterClients, NodeParameters
+from smarttestudo.robot.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import GraphPolls, RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors

@@ -35,12 +35,7 @@ class Allocator(ctypes.Structure):
 class SerializedMessage(ctypes.Structure):
     """An rcutils_uint8_array_t; the middleware makes its buffer as large as a message needs."""
 
-    _fields_ = (
-        ("buffer", c_void_p),
-        ("length", c_size_t),
-        ("capacity", c_size_t),
-        ("allocator", Allocator),
-    )
+    _fields_ = (("buffer", c_void_p), ("length", c_size_t), ("capacity", c_size_t), ("allocator", Allocator))
 
 
 def bytes_at(address: int, size_bytes: int, part: slice = slice(None)) -> bytes:

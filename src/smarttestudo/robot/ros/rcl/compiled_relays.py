@@ -11,13 +11,7 @@ from typing import Any
 
 from rclpy.utilities import get_rmw_implementation_identifier
 
-from smarttestudo.domain.compiled_relay import (
-    CompiledRelay,
-    Copying,
-    MessageCopy,
-    RelayCounts,
-    RelayState,
-)
+from smarttestudo.domain.compiled_relay import CompiledRelay, Copying, MessageCopy, RelayCounts, RelayState
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.robot import Publisher, Subscription
 from smarttestudo.robot.ros.rcl.bindings import InfoLayout, RclLibrary
@@ -188,10 +182,7 @@ class RclRelay:
         self._copies = copies
 
     def begin(
-        self,
-        settings: dict[str, Any],
-        state: Callable[[], RelayState],
-        ended: Callable[[RelayState], None],
+        self, settings: dict[str, Any], state: Callable[[], RelayState], ended: Callable[[RelayState], None]
     ) -> bool:
         """Begin, if the source is ready for it."""
         library, source, numbers = self._library, self._source, self._source.numbers

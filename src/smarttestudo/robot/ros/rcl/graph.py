@@ -16,13 +16,7 @@ from typing import Any
 
 from smarttestudo.domain.errors import RosError, said
 from smarttestudo.robot.ros.message_types import message_type
-from smarttestudo.robot.ros.rcl.bindings import (
-    RCL_RET_OK,
-    Allocator,
-    RclLibrary,
-    loaded_librcl,
-    rcl_function,
-)
+from smarttestudo.robot.ros.rcl.bindings import RCL_RET_OK, Allocator, RclLibrary, loaded_librcl, rcl_function
 from smarttestudo.robot.ros.rcl.subscription import UnusedCallbackGroup
 from smarttestudo.robot.ros.rcl.wake_ups import RclWakeUps
 from smarttestudo.robot.ros.ros_errors import ros_errors
