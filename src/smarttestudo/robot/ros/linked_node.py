@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from typing import Any
 
-from smarttestudo.domain.compiled_relay import CompiledRelays
 from smarttestudo.domain.link import OutgoingLink, StreamInfo
 from smarttestudo.domain.robot import (
     DataPath,
@@ -21,8 +20,6 @@ from smarttestudo.domain.robot import (
     PollGraph,
     Publisher,
     Qos,
-    Receive,
-    Subscription,
     receiving_node,
 )
 from smarttestudo.pacing.cdr import string_message
@@ -140,32 +137,15 @@ class LinkedPath:
         self._link = link
         self._is_local = is_local
         self._numbers: defaultdict[str, Iterator[int]] = defaultdict(itertools.count)
+        # Messages come in as by that path; no compiled relay publishes over a link.
+        self.knows, self.subscribe, self.decode = path.knows, path.subscribe, path.decode
+        self.identifies_publishers, self.can_pause = path.identifies_publishers, path.can_pause
+        self.compiled = path.compiled
 
     @property
     def description(self) -> str:
         """Which path messages come in by, and that they go out over a link."""
         return f"{self._path.description}; out over the link{' and on the graph' * self._is_local}"
-
-    @property
-    def identifies_publishers(self) -> bool:
-        return self._path.identifies_publishers
-
-    @property
-    def can_pause(self) -> bool:
-        return self._path.can_pause
-
-    @property
-    def compiled(self) -> CompiledRelays | None:
-        """Maker of relays that need no Python, none of which publishes over a link."""
-        return self._path.compiled
-
-    def knows(self, type_name: str) -> bool:
-        return self._path.knows(type_name)
-
-    def subscribe(
-        self, topic: str, type_name: str, qos: Qos, receive: Receive, *, priority: float = 1.0
-    ) -> Subscription:
-        return self._path.subscribe(topic, type_name, qos, receive, priority=priority)
 
     def advertise(self, topic: str, type_name: str, qos: Qos) -> Publisher:
         """Send over the link what is published. Raises ``RosError`` and ``LinkError``."""
@@ -177,9 +157,6 @@ class LinkedPath:
             both = _Both(linked, self._path.advertise(topic, type_name, qos))
             undone.pop_all()
         return both
-
-    def decode(self, topic: str, type_name: str, payload: Payload) -> object:
-        return self._path.decode(topic, type_name, payload)
 
 
 class _Both:

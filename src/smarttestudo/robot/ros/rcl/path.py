@@ -128,6 +128,7 @@ class RclPath:
         self._byte_topics = byte_topics
         self._library = library
         self._layout = layout
+        self.identifies_publishers, self.can_pause = layout.gid_bytes > 0, layout.is_numbered
         self._failures: set[str] = set()
         self._wake_ups = RclWakeUps()
         self.compiled: RclRelays | None = None
@@ -149,14 +150,6 @@ class RclPath:
         problem = self._graph.problem
         looks = "" if problem is None else f", the graph checked five times a second because {problem}"
         return f"librcl, {publishers}, {numbered}, {compiled}{looks}"
-
-    @property
-    def identifies_publishers(self) -> bool:
-        return self._layout.gid_bytes > 0
-
-    @property
-    def can_pause(self) -> bool:
-        return self._layout.is_numbered
 
     @property
     def reports_graph(self) -> bool:

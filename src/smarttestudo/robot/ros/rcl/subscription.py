@@ -122,15 +122,16 @@ def _never_called(message: object) -> None:
 class MessageNumbers:
     """Numbers of one topic's messages, and what follows: how many were sent, lost, or received twice.
 
-    ``sent`` counts from the first message received of each publisher. What is skipped in a pause is not lost.
+    ``sent`` counts from the first message received of each publisher, whose last number ``last`` has. What is
+    skipped in a pause is not lost.
     """
 
-    __slots__ = ("_gap_is_wanted", "_is_paused", "_last", "lost", "sent")
+    __slots__ = ("_gap_is_wanted", "_is_paused", "last", "lost", "sent")
 
     def __init__(self) -> None:
         self.sent = 0
         self.lost = 0
-        self._last: dict[bytes, int] = {}
+        self.last: dict[bytes, int] = {}
         self._is_paused = False
         self._gap_is_wanted = False
 
@@ -147,25 +148,20 @@ class MessageNumbers:
         """Whether messages are skipped, or were right before the next."""
         return self._is_paused or self._gap_is_wanted
 
-    @property
-    def last(self) -> Mapping[bytes, int]:
-        """The last number of each publisher."""
-        return self._last
-
     def go_on(self, last: Mapping[bytes, int]) -> None:
         """Go on after these last numbers."""
-        self._last = dict(last)
+        self.last = dict(last)
 
     def is_new(self, publisher: bytes, number: int) -> bool:
         """Count message ``number`` of ``publisher``, unless it or a later one was received before."""
-        last = self._last.get(publisher)
+        last = self.last.get(publisher)
         if last is None:
-            if len(self._last) >= MAX_PUBLISHERS:
-                self._last.clear()
+            if len(self.last) >= MAX_PUBLISHERS:
+                self.last.clear()
             last = number - 1
         elif number <= last:
             return False
-        self._last[publisher] = number
+        self.last[publisher] = number
         self.sent += number - last
         if not self._gap_is_wanted:
             self.lost += number - last - 1
