@@ -59,23 +59,18 @@ export interface BackgroundChoice {
 
 export type BackgroundKind = "map" | "image";
 
-/** `POST /api/background` → `Background`. */
+/** A map or image by its name in the project. */
 export interface BackgroundRequest {
   kind: BackgroundKind;
   name: string;
 }
 
-/** `GET /api/backgrounds`: what zones can be drawn on. */
+/** Maps, images and recordings that zones can be drawn on. */
 export interface BackgroundsAnswer {
   choices: BackgroundChoice[];
 }
 
-/**
- * A bag of the project.
- *
- * `POST /api/recording` → `RecordingAnswer`; `/api/background/path` → `DrivenPath`;
- * `/api/profile/measure` → `TextAnswer`: a profile measured in it.
- */
+/** A bag of the project. */
 export interface BagRequest {
   bag: string;
 }
@@ -173,7 +168,7 @@ export interface CheckCourse {
 }
 
 /**
- * `POST /api/check/course` → `CheckCourse`: a check over a bag, and the `For` or `Within` on it.
+ * A check over a bag, and the `For` or `Within` on it.
  *
  * `run` names the work in `Progress` messages of `/ws`. `profile_text` says how levels are read.
  */
@@ -212,7 +207,7 @@ export interface ConfirmAnswer {
   hash: string;
 }
 
-/** `POST /api/file/copy` → `Project`: `new_name` must not exist yet. */
+/** A file to be copied; `new_name` must not exist yet. */
 export interface CopyRequest {
   name: string;
   new_name: string;
@@ -225,7 +220,7 @@ export interface CoverAnswer {
   over_m2: number;
 }
 
-/** `POST /api/zones/cover` → `CoverAnswer`: the corners of a polygon, in its order. */
+/** The corners of a polygon, in its order. */
 export interface CoverRequest {
   corners: [number, number][];
   max_rectangles?: number;
@@ -243,12 +238,7 @@ export interface Curve {
   notices: string[];
 }
 
-/**
- * `POST /api/profile/curve` → `Curve`: the loss of `topic` at each rate, from a bag.
- *
- * `POST /api/profile/accuracy` → `AccuracyNeeds`: what the accuracies of `topic` need.
- * `run` names the work in `Progress` messages of `/ws`.
- */
+/** A topic of a bag; `run` names the job in `Progress` messages of `/ws`. */
 export interface CurveRequest {
   bag: string;
   topic: string;
@@ -261,7 +251,7 @@ export interface Delete {
   id: string;
 }
 
-/** `POST /api/file/delete` → `Project`: `base_hash` is what the page keeps for its *Undo*. */
+/** A file to be removed; `base_hash` is what the page keeps for its *Undo*. */
 export interface DeleteRequest {
   name: string;
   base_hash: string;
@@ -274,7 +264,7 @@ export interface DifferenceAnswer {
   new_parses: boolean;
 }
 
-/** `POST /api/difference` → `DifferenceAnswer`: two texts of a rule file. */
+/** Two texts of a rule file. */
 export interface DifferenceRequest {
   old_text: string;
   new_text: string;
@@ -283,7 +273,7 @@ export interface DifferenceRequest {
 /**
  * A rule file as an editor holds it, with the text of its profile; findings call them by the names.
  *
- * Texts come and go whole. `POST /api/document` → `RuleDocument`; `/api/zones` → `ZonesAnswer`.
+ * Texts come and go whole.
  */
 export interface Draft {
   text: string;
@@ -331,7 +321,7 @@ export interface EditAnswer {
 }
 
 /**
- * `POST /api/edit` → `EditAnswer`: all edits in their order, or none of them.
+ * Edits that are all made in their order, or none of them.
  *
  * Each speaks of the text that those before it made: its ids, indices and offsets.
  */
@@ -365,7 +355,7 @@ export interface ErrorSize {
 export type EventKind = "rate" | "rule" | "rules";
 
 /**
- * `POST /api/export` → `TextAnswer`: a rule file of the statements `ids` only.
+ * A rule file that is to have the statements `ids` only.
  *
  * 409 with findings where these statements have errors.
  */
@@ -408,7 +398,7 @@ export interface FetchState {
 }
 
 /**
- * `GET /api/robot-incidents/fetches`, and what starting and cancelling one answers.
+ * Fetches that were asked for since the start of the server.
  *
  * `heard` are the robots that are there now, which costs the link nothing; none before they were asked.
  */
@@ -417,7 +407,7 @@ export interface FetchesAnswer {
   heard: string[];
 }
 
-/** `GET /api/file?name=`: the text with its SHA-256, which a later PUT names. */
+/** The text of a file with its SHA-256, which a later PUT names. */
 export interface FileAnswer {
   name: string;
   text: string;
@@ -427,7 +417,7 @@ export interface FileAnswer {
 /** Kind of a file to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
-/** `GET /api/file/state?name=`: the SHA-256 of what is on disk, null where nothing is. */
+/** The SHA-256 of what is on disk, null where nothing is. */
 export interface FileOnDisk {
   hash: string | null;
 }
@@ -511,7 +501,7 @@ export interface ImportPreview {
   conflicts: ImportConflict[];
 }
 
-/** `POST /api/import/preview` → `ImportPreview`: what `other_text` could bring. */
+/** A text, and another one that could bring statements. */
 export interface ImportPreviewRequest {
   text: string;
   other_text: string;
@@ -520,7 +510,7 @@ export interface ImportPreviewRequest {
 }
 
 /**
- * `POST /api/import` → `EditAnswer`: `text` with statements of `other_text`.
+ * Statements of `other_text` that come into `text`.
  *
  * `ids` are statements of `other_text`; null means all of them. Those of `replace_ids` go into the
  * place of the one of the same name, the others into the last collection.
@@ -536,7 +526,7 @@ export interface ImportRequest {
 }
 
 /**
- * `POST /api/incident`: its record, and the units of the values in that, where they are known.
+ * The record of an incident, and the units of the values in that, where they are known.
  *
  * `rule_file` is the project's file of the name that the robot had the rule in, null where it has none,
  * and `is_same_text` whether that holds the same text as then.
@@ -567,7 +557,7 @@ export interface IncidentCourse {
   notices: string[];
 }
 
-/** `POST /api/incident/course` → `IncidentCourse`; `run` names it in `Progress` of `/ws`. */
+/** An incident by its name in the project; `run` names the job in `Progress` of `/ws`. */
 export interface IncidentCourseRequest {
   name: string;
   run?: string;
@@ -630,7 +620,7 @@ export interface IncidentTopic {
   bytes: number;
 }
 
-/** `GET /api/incidents`: the newest first; `has_more` is whether older ones are left out. */
+/** Incidents, the newest first; `has_more` is whether older ones are left out. */
 export interface IncidentsAnswer {
   incidents: ListedIncident[];
   has_more: boolean;
@@ -656,13 +646,13 @@ export interface Insert {
   statement: Statement;
 }
 
-/** `POST /api/try/keep/cancel` → `KeepsAnswer`: ends that one, or forgets it where it has ended. */
+/** The one to end, or to forget where it has ended. */
 export interface KeepEndRequest {
   run: string;
 }
 
 /**
- * `POST /api/try/keep` → `KeepsAnswer`: the `number`-th incident of that try.
+ * The `number`-th incident of a try.
  *
  * `run` tells it from others that are being kept; `title` is what the page calls it.
  */
@@ -705,7 +695,7 @@ export interface KeepStatement {
   hz: number;
 }
 
-/** `GET /api/try/keeps`, and what starting and ending one answers: the oldest first. */
+/** Incidents that are being kept, the oldest first. */
 export interface KeepsAnswer {
   keeps: KeepState[];
 }
@@ -760,7 +750,7 @@ export interface LevelsAnswer {
   tiers_hz: [number, number, number, number, number, number];
 }
 
-/** `POST /api/profile/levels` → `LevelsAnswer`: six levels for a source of `source_hz`. */
+/** A source of `source_hz` that needs six levels. */
 export interface LevelsRequest {
   source_hz: number;
 }
@@ -837,7 +827,7 @@ export interface LossPoint {
 }
 
 /**
- * `POST /api/profile/measure-live` → `TextAnswer`: a profile of what the robot's nodes publish now.
+ * A wish for a profile of what the robot's nodes publish now.
  *
  * `run` names it in the `Progress` messages of `/ws`.
  */
@@ -928,7 +918,7 @@ export interface OptimizeAnswer {
   download_text: string | null;
 }
 
-/** `POST /api/optimize` → `OptimizeAnswer`; 409 with findings for rules with errors. */
+/** A draft that needs rates; 409 with findings for rules with errors. */
 export interface OptimizeRequest {
   text: string;
   name?: string;
@@ -1011,14 +1001,14 @@ export interface ProfileCheckAnswer {
   problem: string;
 }
 
-/** `PUT /api/profile/for` → `ProfileForAnswer`: what the rule file `name` goes with, or none. */
+/** The profile that the rule file `name` goes with, or none. */
 export interface ProfileChosenRequest {
   name: string;
   profile: string | null;
 }
 
 /**
- * `POST /api/profile/entry` → `TextAnswer`: `text` with `value` for `key` of `topic`.
+ * An entry to be written: `text` with `value` for `key` of `topic`.
  *
  * Null takes the key out. Everything else stays as it is written; a topic that the text lacks gets a table.
  */
@@ -1048,13 +1038,13 @@ export interface ProfileForAnswer {
   gone: string | null;
 }
 
-/** `POST /api/profile/for` → `ProfileForAnswer`: the profile for the rule file `name`. */
+/** A rule file that needs a profile. */
 export interface ProfileForRequest {
   text: string;
   name: string;
 }
 
-/** `POST /api/profile/parse` → `ProfileTable`. */
+/** The text of a profile, to be read as a table. */
 export interface ProfileParseRequest {
   text: string;
   name?: string;
@@ -1089,10 +1079,9 @@ export interface ProfileTable {
 }
 
 /**
- * `POST /api/profile/write` → `TextAnswer`: `base_text` with the values of the table.
+ * A table to be written: `base_text` with the values of the table.
  *
  * Comments, order and keys that the table does not show stay. Topics that are not in `rows` are removed.
- * `POST /api/profile/check` → `ProfileCheckAnswer`: whether that can be done.
  */
 export interface ProfileWriteRequest {
   rows: ProfileRow[];
@@ -1109,7 +1098,7 @@ export interface Progress {
 }
 
 /**
- * `GET /api/project`. `opened` is the file that the command line named, if any.
+ * The project; `opened` is the file that the command line named, if any.
  *
  * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
  * reach ROS 2; `version` is that of SmartTestudo. `root_hash` tells folders of one name apart.
@@ -1174,11 +1163,7 @@ export interface PushPreview {
   text_to_send: string;
 }
 
-/**
- * `POST /api/push/preview` → `PushPreview`; `POST /api/push` → `PushAnswer`.
- *
- * Both refuse (409 with findings) rules with errors.
- */
+/** Rules for a robot; those with errors are refused (409 with findings). */
 export interface PushRequest {
   text: string;
   name?: string;
@@ -1190,8 +1175,7 @@ export interface PushRequest {
 /**
  * Rules that were pushed to a robot, by their hash.
  *
- * `POST /api/push/confirm` → `ConfirmAnswer`: keep them. `POST /api/push/write` → `WriteAnswer`:
- * write them to its rule file; a refusal by the robot is a 422 with the robot's own words.
+ * A refusal by the robot is a 422 with the robot's own words.
  */
 export interface PushedRequest {
   node: string;
@@ -1215,7 +1199,7 @@ export interface RawStatement {
 /** Reason for a rate. */
 export type Reason = "default" | "block" | "unknown" | "floor" | "budget" | "link" | "fallback" | "reload";
 
-/** `PUT /api/recording?name=` with the bytes of a file: what the project calls it. */
+/** The name in the project of a recording that came as a file. */
 export interface ReceivedAnswer {
   bag: string;
 }
@@ -1272,7 +1256,7 @@ export interface RemoteIncident {
   moments: number;
 }
 
-/** `POST /api/file/rename` → `Project`: `base_hash` is what the page knows to be in `name`. */
+/** A file with another name; `base_hash` is what the page knows to be in `name`. */
 export interface RenameRequest {
   name: string;
   new_name: string;
@@ -1351,7 +1335,7 @@ export interface RobotChecksAnswer {
 }
 
 /**
- * `POST /api/robot/checks` → `RobotChecksAnswer`: the last `window_s`, and the values of one check.
+ * The last `window_s` of a robot, and the values of one check.
  *
  * `check` is its number in the answer; null asks for none.
  */
@@ -1392,7 +1376,7 @@ export interface RobotIncidentRequest {
 }
 
 /**
- * `GET /api/robot-incidents`: those of each robot that is heard over the link.
+ * Incidents of each robot that is heard over the link.
  *
  * `is_linked` is whether there is a link at all, `problem` why it carries nothing, else empty.
  */
@@ -1402,12 +1386,7 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
-/**
- * A robot by its node.
- *
- * `POST /api/push/lasting` → `LastingAnswer`: how long rules last that it keeps;
- * `/api/robot/history` → `RobotHistoryAnswer`; `/api/robot/start` → `RobotStartAnswer`.
- */
+/** A robot by its node. */
 export interface RobotRequest {
   node: string;
 }
@@ -1576,7 +1555,7 @@ export interface SaveAnswer {
 }
 
 /**
- * `PUT /api/file`: `base_hash` is what the editor read; null where the file must not exist yet.
+ * A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet.
  *
  * `by_itself` is whether nobody asked the page to save.
  */
@@ -1600,7 +1579,7 @@ export interface SetStatement {
   rate: Rate;
 }
 
-/** `PUT /api/project/settings` → `Project`: what everybody who opens the project wants. */
+/** Settings for everybody who opens the project. */
 export interface SettingsRequest {
   saves_by_itself: boolean;
 }
@@ -1803,7 +1782,7 @@ export interface TopicStatus {
   bound_reasons?: Record<string, BoundReason>;
 }
 
-/** `POST /api/try/headline`: the headline of a try, or why the recording cannot be tried. */
+/** The headline of a try, or why the recording cannot be tried. */
 export interface TriedRecording {
   headline: TryHeadline | null;
   problem: string;
@@ -1924,11 +1903,7 @@ export interface TryLoss {
   images: TryImages[];
 }
 
-/**
- * `POST /api/try` → `TryAnswer`; `/api/try/headline` → `TriedRecording`.
- *
- * `run` names the try in `Progress` messages of `/ws`.
- */
+/** Rules and a bag; `run` names the try in `Progress` messages of `/ws`. */
 export interface TryRequest {
   text: string;
   name?: string;
@@ -1960,13 +1935,13 @@ export interface UntilValue {
   value: number;
 }
 
-/** `POST /api/version` → `TextAnswer`: one version of the rule file `name`. */
+/** One version of the rule file `name`. */
 export interface VersionRequest {
   name: string;
   id: string;
 }
 
-/** `GET /api/versions?name=`: the newest first, at most `most`, kept in `folder` of the project. */
+/** Versions of a rule file, the newest first, at most `most`, kept in `folder` of the project. */
 export interface VersionsAnswer {
   versions: RuleVersion[];
   most: number;
@@ -1979,7 +1954,7 @@ export interface Vocabulary {
   every_topic: Property[];
 }
 
-/** `POST /api/vocabulary` → `Vocabulary`. */
+/** The texts that an editor has open. */
 export interface VocabularyRequest {
   text?: string | null;
   profile_text?: string | null;
@@ -2053,7 +2028,7 @@ export interface ZoneRectangle {
   max_y_m: number | null;
 }
 
-/** `POST /api/zones` with a `Draft`. `label` is a name for a new zone that no rule has. */
+/** The zones of a draft; `label` is a name for a new zone that no rule has. */
 export interface ZonesAnswer {
   rules: RuleZones[];
   clashes: ZoneClash[];

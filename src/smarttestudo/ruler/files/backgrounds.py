@@ -47,7 +47,7 @@ class BackgroundChoice(Struct, frozen=True, kw_only=True):
 
 
 class BackgroundsAnswer(Struct, frozen=True, kw_only=True):
-    """``GET /api/backgrounds``: what zones can be drawn on."""
+    """Maps, images and recordings that zones can be drawn on."""
 
     choices: tuple[BackgroundChoice, ...]
 
@@ -56,7 +56,7 @@ BackgroundKind = Literal["map", "image"]
 
 
 class BackgroundRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/background`` → ``Background``."""
+    """A map or image by its name in the project."""
 
     kind: BackgroundKind
     name: str

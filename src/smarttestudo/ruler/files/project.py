@@ -120,7 +120,7 @@ def _names(found: object) -> dict[str, str]:
 
 
 class Project(Struct, frozen=True, kw_only=True):
-    """``GET /api/project``. ``opened`` is the file that the command line named, if any.
+    """The project; ``opened`` is the file that the command line named, if any.
 
     A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
     reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
@@ -138,13 +138,13 @@ class Project(Struct, frozen=True, kw_only=True):
 
 
 class SettingsRequest(Struct, frozen=True, kw_only=True):
-    """``PUT /api/project/settings`` → ``Project``: what everybody who opens the project wants."""
+    """Settings for everybody who opens the project."""
 
     saves_by_itself: bool
 
 
 class FileAnswer(Struct, frozen=True, kw_only=True):
-    """``GET /api/file?name=``: the text with its SHA-256, which a later PUT names."""
+    """The text of a file with its SHA-256, which a later PUT names."""
 
     name: str
     text: str
@@ -152,13 +152,13 @@ class FileAnswer(Struct, frozen=True, kw_only=True):
 
 
 class FileOnDisk(Struct, frozen=True, kw_only=True):
-    """``GET /api/file/state?name=``: the SHA-256 of what is on disk, null where nothing is."""
+    """The SHA-256 of what is on disk, null where nothing is."""
 
     hash: str | None
 
 
 class SaveRequest(Struct, frozen=True, kw_only=True):
-    """``PUT /api/file``: ``base_hash`` is what the editor read; null where the file must not exist yet.
+    """A text to be saved; ``base_hash`` is what the editor read; null where the file must not exist yet.
 
     ``by_itself`` is whether nobody asked the page to save.
     """
@@ -177,7 +177,7 @@ class SaveAnswer(Struct, frozen=True, kw_only=True):
 
 
 class RenameRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/file/rename`` → ``Project``: ``base_hash`` is what the page knows to be in ``name``."""
+    """A file with another name; ``base_hash`` is what the page knows to be in ``name``."""
 
     name: str
     new_name: str
@@ -185,14 +185,14 @@ class RenameRequest(Struct, frozen=True, kw_only=True):
 
 
 class CopyRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/file/copy`` → ``Project``: ``new_name`` must not exist yet."""
+    """A file to be copied; ``new_name`` must not exist yet."""
 
     name: str
     new_name: str
 
 
 class DeleteRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/file/delete`` → ``Project``: ``base_hash`` is what the page keeps for its *Undo*."""
+    """A file to be removed; ``base_hash`` is what the page keeps for its *Undo*."""
 
     name: str
     base_hash: str

@@ -17,11 +17,7 @@ from smarttestudo.ruler.job import Limit, Pieces, job
 
 
 class BagRequest(Struct, frozen=True, kw_only=True):
-    """A bag of the project.
-
-    ``POST /api/recording`` → ``RecordingAnswer``; ``/api/background/path`` → ``DrivenPath``;
-    ``/api/profile/measure`` → ``TextAnswer``: a profile measured in it.
-    """
+    """A bag of the project."""
 
     bag: str
 
@@ -35,7 +31,7 @@ class RecordingAnswer(Struct, frozen=True, kw_only=True):
 
 
 class ReceivedAnswer(Struct, frozen=True, kw_only=True):
-    """``PUT /api/recording?name=`` with the bytes of a file: what the project calls it."""
+    """The name in the project of a recording that came as a file."""
 
     bag: str
 

@@ -45,7 +45,7 @@ class ListedIncident:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentsAnswer:
-    """``GET /api/incidents``: the newest first; ``has_more`` is whether older ones are left out."""
+    """Incidents, the newest first; ``has_more`` is whether older ones are left out."""
 
     incidents: tuple[ListedIncident, ...]
     has_more: bool
@@ -59,7 +59,7 @@ class OneIncidentRequest(Struct, frozen=True, kw_only=True):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class IncidentAnswer:
-    """``POST /api/incident``: its record, and the units of the values in that, where they are known.
+    """The record of an incident, and the units of the values in that, where they are known.
 
     ``rule_file`` is the project's file of the name that the robot had the rule in, null where it has none,
     and ``is_same_text`` whether that holds the same text as then.
@@ -205,7 +205,7 @@ _UNHEARD = frozenset(
 
 
 class IncidentCourseRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/incident/course`` → ``IncidentCourse``; ``run`` names it in ``Progress`` of ``/ws``."""
+    """An incident by its name in the project; ``run`` names the job in ``Progress`` of ``/ws``."""
 
     name: str
     run: str = ""

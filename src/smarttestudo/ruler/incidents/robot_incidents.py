@@ -48,7 +48,7 @@ class IncidentsOfRobot:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RobotIncidentsAnswer:
-    """``GET /api/robot-incidents``: those of each robot that is heard over the link.
+    """Incidents of each robot that is heard over the link.
 
     ``is_linked`` is whether there is a link at all, ``problem`` why it carries nothing, else empty.
     """
@@ -82,7 +82,7 @@ class FetchState:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FetchesAnswer:
-    """``GET /api/robot-incidents/fetches``, and what starting and cancelling one answers.
+    """Fetches that were asked for since the start of the server.
 
     ``heard`` are the robots that are there now, which costs the link nothing; none before they were asked.
     """

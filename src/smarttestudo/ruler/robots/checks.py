@@ -29,7 +29,7 @@ _Key = tuple[str, Place]
 
 
 class RobotChecksRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/robot/checks`` → ``RobotChecksAnswer``: the last ``window_s``, and the values of one check.
+    """The last ``window_s`` of a robot, and the values of one check.
 
     ``check`` is its number in the answer; null asks for none.
     """

@@ -45,11 +45,7 @@ _LEFT = "the Ruler listens to robots no more"
 
 
 class RobotRequest(Struct, frozen=True, kw_only=True):
-    """A robot by its node.
-
-    ``POST /api/push/lasting`` → ``LastingAnswer``: how long rules last that it keeps;
-    ``/api/robot/history`` → ``RobotHistoryAnswer``; ``/api/robot/start`` → ``RobotStartAnswer``.
-    """
+    """A robot by its node."""
 
     node: str
 

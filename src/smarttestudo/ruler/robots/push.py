@@ -15,10 +15,7 @@ from smarttestudo.ruler.rules.sharing import download_text
 
 
 class PushRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/push/preview`` → ``PushPreview``; ``POST /api/push`` → ``PushAnswer``.
-
-    Both refuse (409 with findings) rules with errors.
-    """
+    """Rules for a robot; those with errors are refused (409 with findings)."""
 
     node: str
 
@@ -26,8 +23,7 @@ class PushRequest(Draft, frozen=True, kw_only=True):
 class PushedRequest(Struct, frozen=True, kw_only=True):
     """Rules that were pushed to a robot, by their hash.
 
-    ``POST /api/push/confirm`` → ``ConfirmAnswer``: keep them. ``POST /api/push/write`` → ``WriteAnswer``:
-    write them to its rule file; a refusal by the robot is a 422 with the robot's own words.
+    A refusal by the robot is a 422 with the robot's own words.
     """
 
     node: str

@@ -30,7 +30,7 @@ WAY_TO_PROFILE = "choose or create a profile: its topic parameters say what each
 class Draft(Struct, frozen=True, kw_only=True):
     """A rule file as an editor holds it, with the text of its profile; findings call them by the names.
 
-    Texts come and go whole. ``POST /api/document`` → ``RuleDocument``; ``/api/zones`` → ``ZonesAnswer``.
+    Texts come and go whole.
     """
 
     text: str

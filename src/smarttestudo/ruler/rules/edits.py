@@ -69,7 +69,7 @@ Edit = StatementEdit | Substitute
 
 
 class EditRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/edit`` → ``EditAnswer``: all edits in their order, or none of them.
+    """Edits that are all made in their order, or none of them.
 
     Each speaks of the text that those before it made: its ids, indices and offsets.
     """

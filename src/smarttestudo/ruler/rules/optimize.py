@@ -125,7 +125,7 @@ def _statements(optimized: OptimizedDraft, solved: SolvedSubproblem) -> tuple[Se
 
 
 class OptimizeRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/optimize`` → ``OptimizeAnswer``; 409 with findings for rules with errors."""
+    """A draft that needs rates; 409 with findings for rules with errors."""
 
     model: Model = Model.QUPER
     only_named: bool = False

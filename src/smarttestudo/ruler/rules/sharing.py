@@ -42,7 +42,7 @@ from smarttestudo.rules.rule_sets import has_tiers
 
 
 class ExportRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/export`` → ``TextAnswer``: a rule file of the statements ``ids`` only.
+    """A rule file that is to have the statements ``ids`` only.
 
     409 with findings where these statements have errors.
     """
@@ -53,7 +53,7 @@ class ExportRequest(Struct, frozen=True, kw_only=True):
 
 
 class ImportRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/import`` → ``EditAnswer``: ``text`` with statements of ``other_text``.
+    """Statements of ``other_text`` that come into ``text``.
 
     ``ids`` are statements of ``other_text``; null means all of them. Those of ``replace_ids`` go into the
     place of the one of the same name, the others into the last collection.
@@ -65,7 +65,7 @@ class ImportRequest(Draft, frozen=True, kw_only=True):
 
 
 class ImportPreviewRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/import/preview`` → ``ImportPreview``: what ``other_text`` could bring."""
+    """A text, and another one that could bring statements."""
 
     text: str
     other_text: str

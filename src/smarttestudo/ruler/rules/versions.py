@@ -39,7 +39,7 @@ class RuleVersion(Struct, frozen=True, kw_only=True):
 
 
 class VersionsAnswer(Struct, frozen=True, kw_only=True):
-    """``GET /api/versions?name=``: the newest first, at most ``most``, kept in ``folder`` of the project."""
+    """Versions of a rule file, the newest first, at most ``most``, kept in ``folder`` of the project."""
 
     versions: tuple[RuleVersion, ...]
     most: int
@@ -47,14 +47,14 @@ class VersionsAnswer(Struct, frozen=True, kw_only=True):
 
 
 class VersionRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/version`` → ``TextAnswer``: one version of the rule file ``name``."""
+    """One version of the rule file ``name``."""
 
     name: str
     id: str
 
 
 class DifferenceRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/difference`` → ``DifferenceAnswer``: two texts of a rule file."""
+    """Two texts of a rule file."""
 
     old_text: str
     new_text: str

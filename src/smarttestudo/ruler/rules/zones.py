@@ -75,7 +75,7 @@ class ZoneClash(Struct, frozen=True, kw_only=True):
 
 
 class ZonesAnswer(Struct, frozen=True, kw_only=True):
-    """``POST /api/zones`` with a ``Draft``. ``label`` is a name for a new zone that no rule has."""
+    """The zones of a draft; ``label`` is a name for a new zone that no rule has."""
 
     rules: tuple[RuleZones, ...]
     clashes: tuple[ZoneClash, ...]
@@ -212,7 +212,7 @@ class ResizeZone(Struct, frozen=True, kw_only=True, tag_field="kind", tag="zone_
 
 
 class CoverRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/zones/cover`` → ``CoverAnswer``: the corners of a polygon, in its order."""
+    """The corners of a polygon, in its order."""
 
     corners: tuple[tuple[float, float], ...]
     max_rectangles: int = 8

@@ -24,11 +24,7 @@ from smarttestudo.ruler.topics.profiles import SixLevels, six_levels
 
 
 class CurveRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/curve`` → ``Curve``: the loss of ``topic`` at each rate, from a bag.
-
-    ``POST /api/profile/accuracy`` → ``AccuracyNeeds``: what the accuracies of ``topic`` need.
-    ``run`` names the work in ``Progress`` messages of ``/ws``.
-    """
+    """A topic of a bag; ``run`` names the job in ``Progress`` messages of ``/ws``."""
 
     bag: str
     topic: str

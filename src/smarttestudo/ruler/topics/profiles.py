@@ -63,7 +63,7 @@ class ProfileRow(Struct, frozen=True, kw_only=True):
 
 
 class ProfileParseRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/parse`` → ``ProfileTable``."""
+    """The text of a profile, to be read as a table."""
 
     text: str
     name: str = "profile.toml"
@@ -77,10 +77,9 @@ class ProfileTable(Struct, frozen=True, kw_only=True):
 
 
 class ProfileWriteRequest(ProfileTable, frozen=True, kw_only=True):
-    """``POST /api/profile/write`` → ``TextAnswer``: ``base_text`` with the values of the table.
+    """A table to be written: ``base_text`` with the values of the table.
 
     Comments, order and keys that the table does not show stay. Topics that are not in ``rows`` are removed.
-    ``POST /api/profile/check`` → ``ProfileCheckAnswer``: whether that can be done.
     """
 
     base_text: str = ""
@@ -88,7 +87,7 @@ class ProfileWriteRequest(ProfileTable, frozen=True, kw_only=True):
 
 
 class ProfileEntryRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/entry`` → ``TextAnswer``: ``text`` with ``value`` for ``key`` of ``topic``.
+    """An entry to be written: ``text`` with ``value`` for ``key`` of ``topic``.
 
     Null takes the key out. Everything else stays as it is written; a topic that the text lacks gets a table.
     """
@@ -205,7 +204,7 @@ _MAX_PROFILES = 200
 
 
 class ProfileForRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/for`` → ``ProfileForAnswer``: the profile for the rule file ``name``."""
+    """A rule file that needs a profile."""
 
     text: str
     name: str
@@ -222,14 +221,14 @@ class ProfileForAnswer(Struct, frozen=True, kw_only=True):
 
 
 class ProfileChosenRequest(Struct, frozen=True, kw_only=True):
-    """``PUT /api/profile/for`` → ``ProfileForAnswer``: what the rule file ``name`` goes with, or none."""
+    """The profile that the rule file ``name`` goes with, or none."""
 
     name: str
     profile: str | None
 
 
 class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/measure-live`` → ``TextAnswer``: a profile of what the robot's nodes publish now.
+    """A wish for a profile of what the robot's nodes publish now.
 
     ``run`` names it in the ``Progress`` messages of ``/ws``.
     """
@@ -239,7 +238,7 @@ class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
 
 
 class LevelsRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/profile/levels`` → ``LevelsAnswer``: six levels for a source of ``source_hz``."""
+    """A source of ``source_hz`` that needs six levels."""
 
     source_hz: float
 

@@ -75,7 +75,7 @@ class KnownTopic(Struct, frozen=True, kw_only=True):
 
 
 class VocabularyRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/vocabulary`` → ``Vocabulary``."""
+    """The texts that an editor has open."""
 
     text: str | None = None
     profile_text: str | None = None

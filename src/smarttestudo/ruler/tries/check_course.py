@@ -41,7 +41,7 @@ MAX_TURNS = 2000
 
 
 class CheckCourseRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/check/course`` → ``CheckCourse``: a check over a bag, and the ``For`` or ``Within`` on it.
+    """A check over a bag, and the ``For`` or ``Within`` on it.
 
     ``run`` names the work in ``Progress`` messages of ``/ws``. ``profile_text`` says how levels are read.
     """

@@ -44,7 +44,7 @@ INCIDENTS_FOLDER = "incidents"
 
 
 class KeepRequest(TryRequest, frozen=True, kw_only=True):
-    """``POST /api/try/keep`` → ``KeepsAnswer``: the ``number``-th incident of that try.
+    """The ``number``-th incident of a try.
 
     ``run`` tells it from others that are being kept; ``title`` is what the page calls it.
     """
@@ -81,13 +81,13 @@ class KeepState(Struct, frozen=True, kw_only=True):
 
 
 class KeepsAnswer(Struct, frozen=True, kw_only=True):
-    """``GET /api/try/keeps``, and what starting and ending one answers: the oldest first."""
+    """Incidents that are being kept, the oldest first."""
 
     keeps: tuple[KeepState, ...]
 
 
 class KeepEndRequest(Struct, frozen=True, kw_only=True):
-    """``POST /api/try/keep/cancel`` → ``KeepsAnswer``: ends that one, or forgets it where it has ended."""
+    """The one to end, or to forget where it has ended."""
 
     run: str
 

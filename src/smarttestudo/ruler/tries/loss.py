@@ -276,7 +276,7 @@ class TryHeadline:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TriedRecording:
-    """``POST /api/try/headline``: the headline of a try, or why the recording cannot be tried."""
+    """The headline of a try, or why the recording cannot be tried."""
 
     headline: TryHeadline | None
     problem: str = ""

@@ -62,10 +62,7 @@ class TryLimits:
 
 
 class TryRequest(Draft, frozen=True, kw_only=True):
-    """``POST /api/try`` → ``TryAnswer``; ``/api/try/headline`` → ``TriedRecording``.
-
-    ``run`` names the try in ``Progress`` messages of ``/ws``.
-    """
+    """Rules and a bag; ``run`` names the try in ``Progress`` messages of ``/ws``."""
 
     bag: str
     run: str = ""
