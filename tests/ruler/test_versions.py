@@ -13,7 +13,7 @@ import pytest
 from ruler.ruler_server import Answer, Page, served
 from smarttestudo.ruler.files.project import SaveRequest, read_file, save
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.files.version_store import MAX_VERSIONS, VersionStore
+from smarttestudo.ruler.files.versions import MAX_VERSIONS, VersionStore
 
 RULES = "begin\n    SetFrequency /odom 10\nend\n"
 MINUTE_MS = 60_000

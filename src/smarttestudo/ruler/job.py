@@ -61,6 +61,12 @@ class Limit:
     broken: TestudoError
 
 
+class TextAnswer(Struct, frozen=True, kw_only=True):
+    """One text."""
+
+    text: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Download:
     """An answer that is a .zip file, piece by piece."""

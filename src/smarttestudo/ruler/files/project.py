@@ -27,7 +27,7 @@ from smarttestudo.ruler.files.project_folder import (
     ProjectFolder,
     layout_name,
 )
-from smarttestudo.ruler.files.version_store import VersionStore
+from smarttestudo.ruler.files.versions import VersionStore
 from smarttestudo.ruler.job import job
 
 SETTINGS_FILE = ".testudo/settings.json"

@@ -19,7 +19,7 @@ from smarttestudo.editing import (
     replaced,
 )
 from smarttestudo.language.formatter import format_rules
-from smarttestudo.ruler.job import job
+from smarttestudo.ruler.job import TextAnswer, job
 from smarttestudo.ruler.rules.document import CheckedTexts, Draft, RuleDocument, Substitute, rule_document
 from smarttestudo.ruler.rules.statement_trees import Utf16, new_statement
 from smarttestudo.ruler.rules.statements import Statement
@@ -82,12 +82,6 @@ class EditAnswer(Struct, frozen=True, kw_only=True):
 
     text: str
     document: RuleDocument
-
-
-class TextAnswer(Struct, frozen=True, kw_only=True):
-    """One text."""
-
-    text: str
 
 
 @job("POST /api/edit", reads=True)

@@ -26,7 +26,7 @@ from smarttestudo.editing import (
 from smarttestudo.language.formatter import first_line_end
 from smarttestudo.language.syntax import Block, KeepAtLeast, KeepWithin, SetFrequency, Statement
 from smarttestudo.optimizer.model import Model
-from smarttestudo.ruler.job import job
+from smarttestudo.ruler.job import TextAnswer, job
 from smarttestudo.ruler.rules.document import (
     CheckedTexts,
     Draft,
@@ -36,7 +36,7 @@ from smarttestudo.ruler.rules.document import (
     require_usable,
     rule_document,
 )
-from smarttestudo.ruler.rules.edits import EditAnswer, TextAnswer, edit_answer
+from smarttestudo.ruler.rules.edits import EditAnswer, edit_answer
 from smarttestudo.ruler.rules.optimize import optimize_draft
 from smarttestudo.rules.rule_sets import has_tiers
 

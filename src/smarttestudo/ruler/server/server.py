@@ -23,7 +23,7 @@ from starlette.types import ASGIApp
 from smarttestudo.domain.errors import PortError, TestudoError
 from smarttestudo.ruler.files.project import SettingsFile
 from smarttestudo.ruler.files.project_folder import ProjectFolder
-from smarttestudo.ruler.files.version_store import VersionStore
+from smarttestudo.ruler.files.versions import VersionStore
 from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents, RobotIncidents
 from smarttestudo.ruler.job import RequestError, all_jobs
 from smarttestudo.ruler.robots.link import OpenRobots, RobotLink

@@ -27,8 +27,7 @@ from smarttestudo.robot.ros import open_robot
 from smarttestudo.ruler.files.project import SettingsFile
 from smarttestudo.ruler.files.project_folder import FileKind, ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.files.recordings import BagRequest
-from smarttestudo.ruler.job import Limit, Report, job
-from smarttestudo.ruler.rules.edits import TextAnswer
+from smarttestudo.ruler.job import Limit, Report, TextAnswer, job
 from smarttestudo.ruler.topics.vocabulary import topics_in
 from smarttestudo.rules.profile_edit import edited_profile
 from smarttestudo.rules.profile_file import parse_profile
