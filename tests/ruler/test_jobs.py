@@ -4,15 +4,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
+import sys
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from ruler.ruler_server import Page, served
+from smarttestudo.domain.errors import TestudoError
 from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.files.recordings import READING
 from smarttestudo.ruler.job import Job, Report, all_jobs
+from smarttestudo.ruler.server.processes import Processes
+from smarttestudo.ruler.tries.try_rules import TryRequest, try_on
 
 JOBS = all_jobs()
 ASKING = [job for job in JOBS if job.asked is not None]
@@ -57,3 +66,35 @@ def test_a_job_can_be_given_all_that_it_needs(page: Page, job: Job[..., Any]) ->
     if job.asked is None and job.method == "GET":
         answer = page.get(job.path)
         assert answer.status < 500, answer.error
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(
+    ("program", "status", "words"),
+    [
+        ("exec sleep 1000", 504, "the recording takes longer than ten minutes"),
+        ("exit 1", None, "reading the recording ended without a result"),
+        (
+            """echo '{"kind": "progress", "share": 0.5}'
+            echo '{"kind": "error", "status": 404, "problem":
+                {"message": "gone", "place": "", "remedy": "", "findings": []}}' | tr -d '\\n'""",
+            404,
+            "gone",
+        ),
+    ],
+)
+def test_a_process_without_an_answer_says_why(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, program: str, status: int | None, words: str
+) -> None:
+    python = tmp_path / "python"
+    python.write_text(f"#!/bin/sh\n{program}\n")
+    python.chmod(0o755)
+    monkeypatch.setattr(sys, "executable", str(python))
+    told: list[float] = []
+    limited = replace(try_on, limit=replace(READING, limit_s=1.0 if status == 504 else 60.0))
+    asked = TryRequest(text="", bag="monday")
+    with pytest.raises(TestudoError, match=words) as refused, ThreadPoolExecutor(1) as thread:
+        # Playwright, if a test before this one used it, keeps a running event loop in this thread.
+        thread.submit(asyncio.run, Processes(tmp_path).result(limited, asked, told.append)).result()
+    assert getattr(refused.value, "status", None) == status
+    assert told == [0.5] * (status == 404)
