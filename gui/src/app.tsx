@@ -45,7 +45,7 @@ export function App({ api }: { api: Api }) {
   const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
   const editors = useMemo(() => {
     if (root === undefined) return null;
-    return new OpenEditors(new Drafts(browserStorage(), root, tabs.own, () => tabs.others()));
+    return new OpenEditors(api, new Drafts(browserStorage(), root, tabs.own, () => tabs.others()));
   }, [root]);
   const keptIncidents = useMemo(() => new KeptIncidents(api), []);
   useWindowEvent("beforeunload", (event) => {

@@ -206,8 +206,8 @@ export function useRuleGround(api: Api, incident: IncidentAnswer): Ground {
   const { rule_file, is_same_text, record } = incident;
   const zones = useMemo(() => signal<readonly MapZone[]>([]), []);
   // Without it there is a plain grid, and the rest of the page is as it was.
-  const owner = useMemo(() => ({ map: signal(PLAIN_GRID), attempt: refusalOf }), []);
-  const floor = useMemo(() => new MapFloor(api, owner), []);
+  const owner = useMemo(() => ({ api, map: signal(PLAIN_GRID), attempt: refusalOf }), []);
+  const floor = useMemo(() => new MapFloor(owner), []);
   useEffect(() => floor.followPicture(), []);
   useEffect(() => {
     if (rule_file === null) return;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, refusal } from "../api/client";
+import { refusal } from "../api/client";
 import type { AccuracyNeeds, BoundNeed, Curve, LevelledProperty } from "../api/types";
 import { BagWork } from "../state/bag_work";
 import type { ProfileEditor } from "../state/profile_editor";
@@ -19,12 +19,12 @@ const PROPERTIES = Object.keys(ACCURACY_UNITS) as LevelledProperty[];
 const accuracyOf = (property: LevelledProperty) => `Accuracy of ${property}`;
 
 /** The six levels of one topic: of its rate, or of the accuracy of a property. */
-export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: Api; bags: string[] }) {
+export function LevelPanel({ editor, bags }: { editor: ProfileEditor; bags: string[] }) {
   const rows = editor.rows.value.filter((row) => row.topic.trim() !== "");
   const [topic, setTopic] = useState("");
   const [bag, setBag] = useState("");
   const [levelsOf, setLevelsOf] = useState(RATES_OF);
-  const known = useKnown(editor, api, rows);
+  const known = useKnown(editor, rows);
   const row = rows.find((each) => each.topic === topic) ?? rows[0];
   if (!row) return null;
   const properties = PROPERTIES.filter(
@@ -50,20 +50,16 @@ export function LevelPanel({ editor, api, bags }: { editor: ProfileEditor; api: 
         )}
         {bags.length > 0 && <Choice label="Recording" value={bag} choices={[["", "none"], ...bags]} choose={setBag} />}
       </div>
-      {property ? (
-        <AccuracyLevels {...{ editor, api, row, bag, property }} />
-      ) : (
-        <RateLevels {...{ editor, api, row, bag }} />
-      )}
+      {property ? <AccuracyLevels {...{ editor, row, bag, property }} /> : <RateLevels {...{ editor, row, bag }} />}
     </section>
   );
 }
 
 /** What the server knows to be in messages of each topic of the table. */
-function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): ReadonlyMap<string, Set<string>> {
+function useKnown(editor: ProfileEditor, rows: readonly DraftRow[]): ReadonlyMap<string, Set<string>> {
   const types = rows.map((row) => row.type).join(" ");
   const { answer } = useAnswer(
-    () => api.ask("POST /api/vocabulary", { text: "", profile_text: editor.typesText }),
+    () => editor.api.ask("POST /api/vocabulary", { text: "", profile_text: editor.typesText }),
     [types, editor.isSaved.value],
   );
   // Without an answer the levels of rates are all there is.
@@ -74,7 +70,7 @@ function useKnown(editor: ProfileEditor, api: Api, rows: readonly DraftRow[]): R
 }
 
 /** The six rates of a topic's levels on what each rate loses: dragged, moved by keys, or proposed. */
-function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; api: Api; row: DraftRow; bag: string }) {
+function RateLevels({ editor, row, bag }: { editor: ProfileEditor; row: DraftRow; bag: string }) {
   const { topic } = row;
   const { work, state, found: curve } = useMeasured<Curve>(topic, bag);
   const [note, setNote] = useState("");
@@ -84,7 +80,7 @@ function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; api: Api
     work.start(async (run, signal) => ({
       topic,
       bag,
-      found: await api.ask("POST /api/profile/curve", { bag, topic, run }, { signal }),
+      found: await editor.api.ask("POST /api/profile/curve", { bag, topic, run }, { signal }),
     }));
   const move = (index: number, rate_hz: number, goesOn: boolean) => {
     if (!levels) return;
@@ -99,7 +95,7 @@ function RateLevels({ editor, api, row, bag }: { editor: ProfileEditor; api: Api
           <Button label="Show what each rate loses" onClick={() => void measure()} />
         )}
         <WorkProgress work={work} doing={`Measuring ${topic}`} />
-        <Proposal {...{ editor, api, row, curve, setNote }} hasLevels={levels !== null} />
+        <Proposal {...{ editor, row, curve, setNote }} hasLevels={levels !== null} />
       </div>
       {curve && !chart && (
         <p class="quiet">
@@ -125,13 +121,12 @@ function errorChart(curve: Curve | null): Chart | null {
 /** One click to levels: where the curve bends, or, without one, shares of the source's rate. */
 function Proposal(props: {
   editor: ProfileEditor;
-  api: Api;
   row: DraftRow;
   curve: Curve | null;
   hasLevels: boolean;
   setNote: (note: string) => void;
 }) {
-  const { editor, api, row, curve, setNote } = props;
+  const { editor, row, curve, setNote } = props;
   const place = (levels: readonly number[], why: string) => {
     editor.setTiers(row.key, levels, false);
     setNote(why);
@@ -150,7 +145,7 @@ function Proposal(props: {
   if (props.hasLevels || source_hz === null || !isNumber(row.source_hz)) return null;
   const guess = async () => {
     try {
-      const { tiers_hz } = await api.ask("POST /api/profile/levels", { source_hz });
+      const { tiers_hz } = await editor.api.ask("POST /api/profile/levels", { source_hz });
       place(tiers_hz, "The levels are a first guess from the source's rate.");
     } catch (error) {
       setNote(refusal(error));
@@ -167,14 +162,8 @@ function levelsOf(row: DraftRow): number[] | null {
 }
 
 /** The six accuracies of a property's levels on the messages that each needs: dragged or moved by keys. */
-function AccuracyLevels(props: {
-  editor: ProfileEditor;
-  api: Api;
-  row: DraftRow;
-  bag: string;
-  property: LevelledProperty;
-}) {
-  const { editor, api, row, bag, property } = props;
+function AccuracyLevels(props: { editor: ProfileEditor; row: DraftRow; bag: string; property: LevelledProperty }) {
+  const { editor, row, bag, property } = props;
   const { topic } = row;
   const { work, state, found } = useMeasured<AccuracyNeeds>(topic, bag);
   const [note, setNote] = useState("");
@@ -189,7 +178,7 @@ function AccuracyLevels(props: {
     work.start(async (run, signal) => ({
       topic,
       bag,
-      found: await api.ask("POST /api/profile/accuracy", { bag, topic, run }, { signal }),
+      found: await editor.api.ask("POST /api/profile/accuracy", { bag, topic, run }, { signal }),
     }));
   const place = (bounds: Six, goesOn: boolean, why: string) => {
     const needs = needsOf(points, bounds);

@@ -35,14 +35,14 @@ const BLOCKS = { least: 20, most: 80 };
 const DOCK = { least: 10, most: 85 };
 
 /** Blocks and text of one rule file side by side, and below them what can be said about it. */
-export function EditorPage({ api, project, name, robot: node, line, editors, keptIncidents, refresh }: PageProps) {
-  const editor = useMemo(() => editors.of(api, name), []);
-  const robot = useRobotSide(api, editor);
+export function EditorPage({ project, name, robot: node, line, editors, keptIncidents, refresh }: PageProps) {
+  const editor = useMemo(() => editors.of(name), []);
+  const robot = useRobotSide(editor);
   const tries = useMemo(() => editors.tries.of(name), []);
   const files = useRef(project.files);
   files.current = project.files;
-  const drawValues = useMemo(() => valuesOfRecording(api, editor, tries, () => files.current), []);
-  const repair = useMemo(() => new ProfileRepair(api, editor), []);
+  const drawValues = useMemo(() => valuesOfRecording(editor, tries, () => files.current), []);
+  const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
   const full = useMemo(() => new FullScreen<FullPart>(), []);
@@ -85,7 +85,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
     <div class="editor" data-full={full.part.value} style={{ "--dock": `${dock}%`, "--blocks": `${blocks}%` }}>
       <div>
         <EditorBar
-          {...{ editor, api, project, savesByItself, ...robot }}
+          {...{ editor, project, savesByItself, ...robot }}
           onTool={openTool}
           onDownload={() => {
             openTool("optimize");
@@ -96,7 +96,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, api, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -104,7 +104,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
             {...BLOCKS}
             onChange={setBlocks}
           />
-          <SidePane {...{ editor, api, side, full }} />
+          <SidePane {...{ editor, side, full }} />
         </div>
         <Splitter label="Height of the results" orientation="horizontal" percent={dock} {...DOCK} onChange={setDock} />
         <section class="dock" aria-label="Results" ref={results}>
@@ -112,7 +112,7 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
           <div class="dock-bar">
             <ResultTabs {...{ editor, tool }} />
             <NeedsServer changes>
-              <ProfileChoice {...{ editor, api, project }} />
+              <ProfileChoice {...{ editor, project }} />
             </NeedsServer>
             <FullScreenButton full={full} part="results" what="results" />
           </div>
@@ -120,21 +120,20 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
             {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}
             {tool.value === "optimize" && (
               <NeedsServer>
-                <OptimizePanel {...{ editor, api, project, repair, wantsRates }} />
+                <OptimizePanel {...{ editor, project, repair, wantsRates }} />
               </NeedsServer>
             )}
             {tool.value === "robot" && (
               <NeedsServer>
-                <RobotPanel {...{ api, editor, ...robot }} />
+                <RobotPanel {...{ editor, ...robot }} />
               </NeedsServer>
             )}
-            {tool.value === "try" && <TryPanel {...{ editor, api, project, tries, keptIncidents, refresh }} />}
+            {tool.value === "try" && <TryPanel {...{ editor, project, tries, keptIncidents, refresh }} />}
           </div>
         </section>
       </main>
       <Toast message={editor.message} />
       <ConflictDialog
-        api={api}
         file={editor}
         onSavedAs={(saved) => refresh().then(() => toRoute({ page: "rules", name: saved }))}
       />
@@ -144,12 +143,9 @@ export function EditorPage({ api, project, name, robot: node, line, editors, kep
 }
 
 /** What links the open rules with a running robot, for as long as the page is open. */
-function useRobotSide(api: PageProps["api"], editor: RuleEditor): { robotRules: RobotRules; rulePush: RulePush } {
+function useRobotSide(editor: RuleEditor): { robotRules: RobotRules; rulePush: RulePush } {
   const link = useRobot();
-  const side = useMemo(
-    () => ({ robotRules: new RobotRules(api, editor, link), rulePush: new RulePush(api, editor, link) }),
-    [],
-  );
+  const side = useMemo(() => ({ robotRules: new RobotRules(editor, link), rulePush: new RulePush(editor, link) }), []);
   useEffect(() => side.robotRules.follow(), []);
   useEffect(() => side.rulePush.follow(), []);
   return side;

@@ -18,8 +18,8 @@ import { Notice, Toast } from "../ui/notice";
 import type { PageProps } from "./page_props";
 
 /** The topic parameters: what the optimizer knows of each topic and of the link. */
-export function TopicsPage({ api, project, name, rules, refresh, editors }: PageProps) {
-  const editor = useMemo(() => editors.profileOf(api, name), []);
+export function TopicsPage({ project, name, rules, refresh, editors }: PageProps) {
+  const editor = useMemo(() => editors.profileOf(name), []);
   editor.madeFor.value = rules ?? editor.madeFor.peek();
   const madeFor = editor.madeFor.value;
   const [problem, setProblem] = useState("");
@@ -62,7 +62,7 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
       <main class="topics">
         <FileNotices file={editor} />
         {problem && <Notice kind="error" text={problem} />}
-        {isOpen && madeFor !== null && <RulesTopics {...{ api, editors, editor }} rules={madeFor} />}
+        {isOpen && madeFor !== null && <RulesTopics {...{ editors, editor }} rules={madeFor} />}
         <div class="row">
           <NeedsServer>
             {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
@@ -72,10 +72,9 @@ export function TopicsPage({ api, project, name, rules, refresh, editors }: Page
           </NeedsServer>
         </div>
         {isOpen && <TopicTable editor={editor} />}
-        {isOpen && <LevelPanel {...{ editor, api, bags }} />}
+        {isOpen && <LevelPanel {...{ editor, bags }} />}
         <Toast message={editor.message} />
         <ConflictDialog
-          api={api}
           file={editor}
           onSavedAs={(saved) => refresh().then(() => toRoute({ page: "topics", name: saved }))}
         />
@@ -151,7 +150,6 @@ function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void>
 }
 
 interface Props {
-  api: Api;
   editors: OpenEditors;
   editor: ProfileEditor;
   /** The rule file that the table is for. */
@@ -159,8 +157,8 @@ interface Props {
 }
 
 /** The way back to the rules, and a row for each topic of them that the table lacks; a new table begins with those. */
-function RulesTopics({ api, editors, editor, rules }: Props) {
-  const { answer: topics, problem } = useAnswer(() => topicsOf(api, editors, rules));
+function RulesTopics({ editors, editor, rules }: Props) {
+  const { answer: topics, problem } = useAnswer(() => topicsOf(editor.api, editors, rules));
   useEffect(() => {
     const isEmpty = editor.rows.peek().every((row) => row.topic.trim() === "");
     if (editor.isNew.peek() && editor.isSaved.peek() && isEmpty && topics?.length) editor.begin(topics);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import type { Api } from "../api/client";
 import type { FoundFile } from "../api/types";
 import { toCondition } from "../blocks/model";
 import type { DrawValues } from "../blocks/number_field";
@@ -130,7 +129,6 @@ function BlocksHost({ opened, ...props }: HostProps) {
 
 interface Shown {
   editor: RuleEditor;
-  api: Api;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
   drawValues: DrawValues;
@@ -140,14 +138,14 @@ interface Shown {
 function openWorkspace(
   Workspace: typeof RuleWorkspace,
   host: HTMLElement,
-  { editor, api, robotRules, tried, drawValues, isServerGone }: Shown,
+  { editor, robotRules, tried, drawValues, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.shownSections.peek());
   };
   const workspace = new Workspace(host, {
-    recipes: () => editor.attempt(() => recipeRules(api)),
+    recipes: () => editor.attempt(() => recipeRules(editor.api)),
     menus: {
       undo: () => editor.undo(),
       redo: () => editor.redo(),
@@ -201,12 +199,7 @@ function openWorkspace(
 }
 
 /** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
-export function valuesOfRecording(
-  api: Api,
-  editor: RuleEditor,
-  tries: FileTries,
-  files: () => readonly FoundFile[],
-): DrawValues {
+export function valuesOfRecording(editor: RuleEditor, tries: FileTries, files: () => readonly FoundFile[]): DrawValues {
   return (host, block, threshold) => {
     const bag = recordingOf(bagsIn(files()), tries, editor.rules, editor.map.peek().bag);
     const recording = fileOf(bag, files());
@@ -217,7 +210,7 @@ export function valuesOfRecording(
     let isLeft = false;
     let close: (() => void) | null = null;
     void import("../try/check_courses").then(({ drawPicked }) => {
-      if (!isLeft) close = drawPicked(host, { api, asked, sizeBytes: recording.size_bytes, threshold });
+      if (!isLeft) close = drawPicked(host, { api: editor.api, asked, sizeBytes: recording.size_bytes, threshold });
     });
     return () => {
       isLeft = true;

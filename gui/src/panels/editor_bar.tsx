@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useSignal } from "@preact/signals";
-import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
@@ -15,7 +14,6 @@ const DOWNLOAD = "Optimize and Download";
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   project: Project;
   savesByItself: boolean;
   rulePush: RulePush;
@@ -25,7 +23,7 @@ interface Props {
 }
 
 /** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, api, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
+export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
   const next = useNextStep(editor, savesByItself, robotRules);
@@ -84,7 +82,7 @@ export function EditorBar({ editor, api, project, savesByItself, rulePush, robot
           </NeedsServer>
         </div>
       </Header>
-      <ShareDialogs {...{ editor, api, project, sharing }} />
+      <ShareDialogs {...{ editor, project, sharing }} />
     </>
   );
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Signal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
-import { type Api, type Rules, refusal } from "../api/client";
+import { type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
@@ -21,7 +21,6 @@ const MOST_BAGS = 3;
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   project: Project;
   repair: ProfileRepair;
   /** Whether the rates are to be downloaded as soon as they are computed. */
@@ -29,12 +28,12 @@ interface Props {
 }
 
 /** Quality levels as rates within the budget, computed anew while the rules change. */
-export function OptimizePanel({ editor, api, project, repair, wantsRates }: Props) {
+export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
   const [result, setResult] = useState<Optimized | null>(null);
   const [text, profile] = [editor.text.value, editor.profile.value];
   useEffect(() => {
     if (profile === null) return;
-    const timer = setTimeout(() => void optimized(editor, api, setResult), AFTER_MS);
+    const timer = setTimeout(() => void optimized(editor, setResult), AFTER_MS);
     return () => clearTimeout(timer);
   }, [text, profile]);
   const isAnswered =
@@ -230,10 +229,12 @@ type Asked = Pick<Rules, "text" | "profile_text">;
 export type Optimized = Asked & (OptimizeAnswer | { refused: string });
 
 /** Asks the optimizer about the rules of now; an answer that comes when they are other ones is not told. */
-export async function optimized(editor: RuleEditor, api: Api, tell: (answer: Optimized) => void): Promise<void> {
+export async function optimized(editor: RuleEditor, tell: (answer: Optimized) => void): Promise<void> {
   const { rules } = editor;
   const { text, profile_text } = rules;
-  const answer = await api.ask("POST /api/optimize", rules).catch((error: unknown) => ({ refused: refusal(error) }));
+  const answer = await editor.api
+    .ask("POST /api/optimize", rules)
+    .catch((error: unknown) => ({ refused: refusal(error) }));
   const now = editor.rules;
   if (text === now.text && profile_text === now.profile_text) tell({ ...answer, text, profile_text });
 }

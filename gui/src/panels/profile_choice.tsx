@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Api } from "../api/client";
 import type { Project } from "../api/types";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
@@ -12,14 +11,14 @@ import { Notice } from "../ui/notice";
 export const ownProfile = (rules: string) => rules.replace(/(\.adirf)?$/, ".toml");
 
 /** Which topic parameters the rules are checked and optimized with: those chosen last by anybody, else the likeliest. */
-export function ProfileChoice({ editor, api, project }: { editor: RuleEditor; api: Api; project: Project }) {
+export function ProfileChoice({ editor, project }: { editor: RuleEditor; project: Project }) {
   const chosen = editor.profile.value?.name ?? "";
   const listed = project.files.filter((file) => file.kind === "profile").map((file) => file.name);
   // One that was saved just now may not be listed yet.
   const names = chosen === "" || listed.includes(chosen) ? listed : [...listed, chosen];
   const gone = editor.profileChoice.gone.value;
   const choose = async (name: string) => {
-    await Promise.all([api.chooseProfile(editor.name, name || null), editor.useProfile(name || null)]);
+    await Promise.all([editor.api.chooseProfile(editor.name, name || null), editor.useProfile(name || null)]);
   };
   const own = ownProfile(editor.name);
   return (

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Api } from "../api/client";
 import { href } from "../route";
 import { type RobotLink, RULES_WORDS, UPDATE_RATES_HZ } from "../state/robot_link";
 import type { RobotRules, RulePush } from "../state/robot_rules";
@@ -16,7 +15,7 @@ import { RulePushSteps } from "./rule_push_steps";
 const RobotChecks = later(async () => (await import("./robot_checks")).RobotChecks);
 
 /** The running robot: what it relays now, and whether it follows the open rules. */
-export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
+export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
   const link = useRobot();
   const live = link.live.value;
   return (
@@ -35,12 +34,12 @@ export function RobotPanel(props: { api: Api; editor: RuleEditor; robotRules: Ro
       {live && <RobotTopics link={link} live={live} />}
       {link.robot.value && (
         <RobotChecks
-          api={props.api}
+          api={props.editor.api}
           node={link.robot.value.node}
           propose={props.robotRules.comparison.value.kind === "same" ? proposeIn(props.editor) : null}
         />
       )}
-      {link.robot.value && <RobotHistory api={props.api} node={link.robot.value.node} />}
+      {link.robot.value && <RobotHistory api={props.editor.api} node={link.robot.value.node} />}
       {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for a status …</p>}
     </div>
   );

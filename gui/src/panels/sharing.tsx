@@ -3,7 +3,7 @@
 import { batch, computed, type Signal, signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
-import { type Api, refusalOf, type TextFile } from "../api/client";
+import { refusalOf, type TextFile } from "../api/client";
 import type { EditAnswer, ImportConflict, ImportPreview, PlacedFinding, Project, Statement } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";
 import type { RuleEditor } from "../state/rule_editor";
@@ -16,7 +16,6 @@ export type Sharing = "import" | "export" | null;
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   project: Project;
   /** Which of the two is asked for. */
   sharing: Signal<Sharing>;
@@ -39,14 +38,8 @@ export function ShareDialogs({ sharing, ...props }: Props) {
 }
 
 /** Brings rules of another file into this one; `dropped` is a file that somebody dropped on the page. */
-function ImportDialog(props: {
-  editor: RuleEditor;
-  api: Api;
-  project: Project;
-  dropped: File | null;
-  onClose: () => void;
-}) {
-  const draft = useMemo(() => new ImportDraft(props.api, props.editor), []);
+function ImportDialog(props: { editor: RuleEditor; project: Project; dropped: File | null; onClose: () => void }) {
+  const draft = useMemo(() => new ImportDraft(props.editor), []);
   useEffect(() => {
     if (props.dropped) void draft.readDisk(props.dropped);
   }, [props.dropped]);
@@ -164,12 +157,12 @@ function NewFindings({ draft }: { draft: ImportDraft }) {
 }
 
 /** Downloads a rule file of the statements that somebody chooses. */
-function ExportDialog({ editor, api, onClose }: { editor: RuleEditor; api: Api; onClose: () => void }) {
+function ExportDialog({ editor, onClose }: { editor: RuleEditor; onClose: () => void }) {
   const [rules] = useState(editor.rules);
   const [{ statements, broken }] = useState(() => offered(editor));
   const [chosen, setChosen] = useState<ReadonlySet<string>>(() => pointedAt(editor, broken));
   const save = async () => {
-    const { text } = await api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
+    const { text } = await editor.api.ask("POST /api/export", { text: rules.text, name: rules.name, ids: [...chosen] });
     download(baseName(rules.name).replace(/\.adirf$/, "-part.adirf"), text);
     onClose();
   };
@@ -288,17 +281,14 @@ export class ImportDraft {
   private readonly rules;
   private readonly before: readonly PlacedFinding[];
 
-  constructor(
-    private readonly api: Api,
-    private readonly editor: RuleEditor,
-  ) {
+  constructor(private readonly editor: RuleEditor) {
     this.rules = editor.rules;
     this.before = editor.document.peek().findings;
   }
 
   /** Reads another file of the project. */
   readProject(name: string): Promise<void> {
-    return this.read(() => this.api.read(name));
+    return this.read(() => this.editor.api.read(name));
   }
 
   /** Reads a file of the user's disk. */
@@ -342,7 +332,7 @@ export class ImportDraft {
   private async read(source: () => Promise<TextFile>): Promise<void> {
     await this.try(async () => {
       const file = await source();
-      const preview = await this.api.ask("POST /api/import/preview", {
+      const preview = await this.editor.api.ask("POST /api/import/preview", {
         text: this.rules.text,
         name: this.rules.name,
         other_text: file.text,
@@ -368,7 +358,7 @@ export class ImportDraft {
     if (source === null || chosen.size === 0) return;
     await this.try(async () => {
       const replace_ids = [...replacing].filter((id) => chosen.has(id));
-      const answer = await this.api.ask("POST /api/import", {
+      const answer = await this.editor.api.ask("POST /api/import", {
         ...this.rules,
         other_text: source.text,
         ids: [...chosen],

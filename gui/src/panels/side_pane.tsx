@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type Signal } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Api } from "../api/client";
 import type { PlacedFinding } from "../api/types";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
@@ -10,8 +9,7 @@ import { ZoneEditor } from "../state/zone_editor";
 import { TextEditor } from "../text/text_editor";
 import { type Tab, Tabs } from "../ui/choice";
 import { useRobot } from "../ui/connection";
-import type { FullScreen } from "../ui/panes";
-import { FullScreenButton } from "../ui/panes";
+import { type FullScreen, FullScreenButton } from "../ui/panes";
 import { FloorChoice, MapPanel } from "./map_panel";
 import { VersionsPane } from "./versions_pane";
 
@@ -24,15 +22,10 @@ const CHOICES: Tab<Side>[] = [
 ];
 
 /** The right half: the rules as text, their zones on a map, or what was saved of them. */
-export function SidePane(props: {
-  editor: RuleEditor;
-  api: Api;
-  side: Signal<Side>;
-  full: FullScreen<"map" | "results">;
-}) {
-  const { editor, api, side, full } = props;
-  const floor = useMemo(() => new MapFloor(api, editor), []);
-  const zones = useMemo(() => new ZoneEditor(api, editor), []);
+export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: FullScreen<"map" | "results"> }) {
+  const { editor, side, full } = props;
+  const floor = useMemo(() => new MapFloor(editor), []);
+  const zones = useMemo(() => new ZoneEditor(editor), []);
   const isMap = side.value === "map";
   const isTextSaved = editor.isContentSaved.value;
   const returns = useRobot().returns.value;
@@ -65,7 +58,7 @@ export function SidePane(props: {
       </div>
       <TextPane editor={editor} hidden={side.value !== "text"} />
       {isMap && <MapPanel {...{ editor, zones, floor }} />}
-      {side.value === "versions" && <VersionsPane {...{ editor, api }} />}
+      {side.value === "versions" && <VersionsPane editor={editor} />}
     </div>
   );
 }

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useRef } from "preact/hooks";
-import type { Api } from "../api/client";
 import type { FoundFile, Project } from "../api/types";
 import type { KeptIncidents } from "../incidents/kept_incidents";
 import type { RuleEditor } from "../state/rule_editor";
@@ -29,7 +28,6 @@ import { focusIn } from "../ui/watch";
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   project: Project;
   tries: FileTries;
   keptIncidents: KeptIncidents;
@@ -85,7 +83,7 @@ export function TryPanel(props: Props) {
   );
 }
 
-function tryRecording({ editor: { rules }, api, tries }: Props, bag: string): Promise<void> {
+function tryRecording({ editor: { api, rules }, tries }: Props, bag: string): Promise<void> {
   return tries.work.start(async (run, signal) => {
     const { files } = await api.project();
     const answer = await api.ask("POST /api/try", { ...rules, bag, run }, { signal });
@@ -94,7 +92,7 @@ function tryRecording({ editor: { rules }, api, tries }: Props, bag: string): Pr
 }
 
 /** Results show as they come. */
-function tryFolder({ editor: { rules }, api, tries }: Props, folder: string): Promise<void> {
+function tryFolder({ editor: { api, rules }, tries }: Props, folder: string): Promise<void> {
   let share = (_ofOne: number, _number: number) => 0;
   return tries.folderWork.start(
     async (run, signal, setShare) => {
@@ -115,7 +113,7 @@ function choiceWords(folder: string, count: number, { has_more, root_name }: Pro
   return `${folder === ALL ? root_name : folder}: ${which} ${counted(count, "recording")}`;
 }
 
-function LastTry({ editor, api, project, tries, keptIncidents }: Props) {
+function LastTry({ editor, project, tries, keptIncidents }: Props) {
   const [trial, folder] = [tries.last.value, tries.folder.value?.folder];
   const back = useRef<HTMLParagraphElement>(null);
   // Who came from the table has no focus: its button is gone.
@@ -134,7 +132,7 @@ function LastTry({ editor, api, project, tries, keptIncidents }: Props) {
       {trial !== null && (
         <TryResult
           key={trial.bag}
-          {...{ editor, api, trial, keptIncidents }}
+          {...{ editor, trial, keptIncidents }}
           changed={changed(editor, trial, [fileOf(trial.bag, project.files)])}
         />
       )}

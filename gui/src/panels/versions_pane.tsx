@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useSignal } from "@preact/signals";
-import { type Api, refusalOf } from "../api/client";
+import { refusalOf } from "../api/client";
 import type { RuleVersion } from "../api/types";
 import type { RuleEditor } from "../state/rule_editor";
 import { Button } from "../ui/button";
@@ -14,9 +14,9 @@ import { moment } from "../ui/numbers";
 const SHOWN_CHANGES = 5;
 
 /** What was saved of the rule file: when, what changed in words, and the way back. */
-export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) {
+export function VersionsPane({ editor }: { editor: RuleEditor }) {
   // Each save makes a version.
-  const { answer, problem, again } = useAnswer(() => api.versions(editor.name), [editor.savedContent.value]);
+  const { answer, problem, again } = useAnswer(() => editor.api.versions(editor.name), [editor.savedContent.value]);
   useReturn(again);
   const refused = useSignal("");
   /** The version that is compared with what is open, and its text. */
@@ -24,7 +24,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
   const guarded = async (work: () => Promise<unknown>) => {
     refused.value = await refusalOf(work);
   };
-  const textOf = async (id: string) => (await api.ask("POST /api/version", { name: editor.name, id })).text;
+  const textOf = async (id: string) => (await editor.api.ask("POST /api/version", { name: editor.name, id })).text;
   const compare = (id: string) =>
     guarded(async () => (compared.value = compared.peek()?.id === id ? null : { id, text: await textOf(id) }));
   const bringBack = (id: string) =>
@@ -65,9 +65,7 @@ export function VersionsPane({ editor, api }: { editor: RuleEditor; api: Api }) 
               </span>
             </div>
             <Changes version={version} isOldest={index === versions.length - 1} />
-            {compared.value?.id === version.id && (
-              <Comparison {...{ api, editor }} version={version} text={compared.value.text} />
-            )}
+            {compared.value?.id === version.id && <Comparison {...{ editor, version }} text={compared.value.text} />}
           </li>
         ))}
       </ol>
@@ -103,18 +101,17 @@ function Changes({ version: { changes, parses }, isOldest }: { version: RuleVers
 }
 
 interface ComparisonProps {
-  api: Api;
   editor: RuleEditor;
   version: RuleVersion;
   text: string;
 }
 
-function Comparison({ api, editor, version, text }: ComparisonProps) {
+function Comparison({ editor, version, text }: ComparisonProps) {
   const now = editor.text.value;
   if (text === now) return <p role="status">This is what is open.</p>;
   return (
     <div class="version-comparison" role="status">
-      <DifferenceWords api={api} title="Bringing it back changes for a robot:" oldText={now} newText={text} />
+      <DifferenceWords api={editor.api} title="Bringing it back changes for a robot:" oldText={now} newText={text} />
       <TextComparison a="Open now" textA={now} b={moment(version.saved_at_ms)} textB={text} />
     </div>
   );

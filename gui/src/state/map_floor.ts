@@ -12,6 +12,7 @@ const NO_PATH: readonly Point[] = [];
 
 /** Whose floor it is: what its side file says, and who says what was refused. */
 interface FloorOwner {
+  readonly api: Api;
   readonly map: Signal<MapSetting>;
   attempt(work: () => Promise<void>): Promise<unknown>;
 }
@@ -35,16 +36,13 @@ export class MapFloor {
     return found !== null && known.hash !== "" && found.hash !== known.hash;
   });
 
-  constructor(
-    private readonly api: Api,
-    private readonly editor: FloorOwner,
-  ) {}
+  constructor(private readonly editor: FloorOwner) {}
 
   /** Loads what the side file names, now and when that changes; returns how to stop. */
   follow(): () => void {
     const bag = computed(() => this.editor.map.value.bag);
     void this.editor.attempt(async () => {
-      this.choices.value = (await this.api.ask("GET /api/backgrounds", null)).choices;
+      this.choices.value = (await this.editor.api.ask("GET /api/backgrounds", null)).choices;
     });
     const stops = [
       this.followPicture(),
@@ -96,7 +94,7 @@ export class MapFloor {
   private async loadBackground(kind: MapSetting["kind"], name: string): Promise<void> {
     this.background.value = null;
     if (kind === null) return;
-    const found = await this.api.ask("POST /api/background", { kind, name });
+    const found = await this.editor.api.ask("POST /api/background", { kind, name });
     if (this.editor.map.peek().name !== name) return;
     this.background.value = found;
     if (this.editor.map.peek().hash === "") this.accept();
@@ -105,7 +103,7 @@ export class MapFloor {
   private async loadPath(bag: string | null): Promise<void> {
     this.driven.value = null;
     if (bag === null) return;
-    const found = await this.api.ask("POST /api/background/path", { bag });
+    const found = await this.editor.api.ask("POST /api/background/path", { bag });
     if (this.editor.map.peek().bag === bag) this.driven.value = found;
   }
 }

@@ -21,13 +21,16 @@ export class OpenEditors {
 
   private readonly folds = new Map<string, Folds>();
 
-  constructor(private readonly drafts: Drafts) {}
+  constructor(
+    private readonly api: Api,
+    private readonly drafts: Drafts,
+  ) {}
 
   /** The editor of a rule file: the one with unsaved changes, else a new one. */
-  of(api: Api, name: string): RuleEditor {
+  of(name: string): RuleEditor {
     const folds = this.folds.get(name) ?? new Folds();
     this.folds.set(name, folds);
-    return unsavedOrNew(this.rules, name, () => new RuleEditor(api, name, this.drafts, folds, this.lost));
+    return unsavedOrNew(this.rules, name, () => new RuleEditor(this.api, name, this.drafts, folds, this.lost));
   }
 
   /** What is not saved of a rule file that is open; null where nothing is. */
@@ -37,8 +40,8 @@ export class OpenEditors {
   }
 
   /** The editor of a profile: the one with unsaved changes, else a new one. */
-  profileOf(api: Api, name: string): ProfileEditor {
-    return unsavedOrNew(this.profiles, name, () => new ProfileEditor(api, name, this.drafts));
+  profileOf(name: string): ProfileEditor {
+    return unsavedOrNew(this.profiles, name, () => new ProfileEditor(this.api, name, this.drafts));
   }
 
   /** The files with changes that are in this browser only; a new one may not be on disk yet. */

@@ -43,7 +43,7 @@ export abstract class OpenFile {
   protected abstract unpacked(draft: string): string | null;
 
   constructor(
-    protected readonly api: Api,
+    readonly api: Api,
     readonly name: string,
     private readonly kind: DraftKind,
     private readonly drafts: Drafts,

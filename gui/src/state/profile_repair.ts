@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
-import type { Api } from "../api/client";
 import type { ProfileFix, ProfileRow, ProfileTable } from "../api/types";
 import type { RuleEditor } from "./rule_editor";
 
@@ -19,10 +18,7 @@ export class ProfileRepair {
   /** The last change, until it is taken back or put away. */
   readonly done = signal<ProfileChange | null>(null);
 
-  constructor(
-    private readonly api: Api,
-    private readonly editor: RuleEditor,
-  ) {}
+  constructor(private readonly editor: RuleEditor) {}
 
   /** Writes one entry. */
   mend({ topic, key, value }: ProfileFix): Promise<void> {
@@ -30,7 +26,8 @@ export class ProfileRepair {
       value === null ? `Took ${key} of ${topic} out of ${name}` : `Added ${key} = ${value} for ${topic} to ${name}`;
     return this.change(
       words,
-      async (name, text) => (await this.api.ask("POST /api/profile/entry", { name, text, topic, key, value })).text,
+      async (name, text) =>
+        (await this.editor.api.ask("POST /api/profile/entry", { name, text, topic, key, value })).text,
     );
   }
 
@@ -38,9 +35,9 @@ export class ProfileRepair {
   measureMissing(bag: string, topics: ReadonlySet<string>): Promise<void> {
     const words = (name: string) => `Added what ${bag} says of the rules' topics to ${name}`;
     return this.change(words, async (name, text) => {
-      const table = await this.api.ask("POST /api/profile/parse", { name, text });
-      const recorded = await this.api.ask("POST /api/profile/measure", { bag });
-      const measured = await this.api.ask("POST /api/profile/parse", { name, text: recorded.text });
+      const table = await this.editor.api.ask("POST /api/profile/parse", { name, text });
+      const recorded = await this.editor.api.ask("POST /api/profile/measure", { bag });
+      const measured = await this.editor.api.ask("POST /api/profile/parse", { name, text: recorded.text });
       const own = new Map(table.rows.map((row) => [row.topic, row]));
       for (const row of measured.rows) {
         if (topics.has(row.topic)) own.set(row.topic, filled(own.get(row.topic), row));
@@ -53,7 +50,7 @@ export class ProfileRepair {
   setBudget(budget_kb_per_s: number): Promise<void> {
     return this.rewrite(
       async (name, text) => {
-        const table = await this.api.ask("POST /api/profile/parse", { name, text });
+        const table = await this.editor.api.ask("POST /api/profile/parse", { name, text });
         return this.written(name, text, { ...table, budget_kb_per_s });
       },
       (name) => (this.editor.message.value = `Saved ${name}: ${budget_kb_per_s} KB/s`),
@@ -71,21 +68,21 @@ export class ProfileRepair {
     const name = this.editor.profile.peek()?.name;
     if (name === undefined) return;
     await this.editor.inTurn(async () => {
-      const before = await this.api.read(name);
-      const { hash } = await this.api.save(name, await edited(name, before.text), before.hash);
+      const before = await this.editor.api.read(name);
+      const { hash } = await this.editor.api.save(name, await edited(name, before.text), before.hash);
       saved(name, before.text, hash);
       await this.editor.useProfile(name);
     });
   }
 
   private async written(name: string, base_text: string, table: ProfileTable): Promise<string> {
-    return (await this.api.ask("POST /api/profile/write", { ...table, name, base_text })).text;
+    return (await this.editor.api.ask("POST /api/profile/write", { ...table, name, base_text })).text;
   }
 
   /** Writes the text of before; where somebody else changed the file meanwhile, that is refused and told. */
   private takeBack(name: string, text: string, hash: string): Promise<void> {
     return this.editor.inTurn(async () => {
-      await this.api.save(name, text, hash);
+      await this.editor.api.save(name, text, hash);
       this.done.value = null;
       this.editor.message.value = `${name} is as it was before`;
       await this.editor.useProfile(name);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, type ReadonlySignal, signal, untracked } from "@preact/signals";
-import { type Api, ApiError, type Rules } from "../api/client";
+import { ApiError, type Rules } from "../api/client";
 import type { LastingAnswer, Live, Problem, PushPreview, RobotSummary, RulesOrigin } from "../api/types";
 import { type RuleState, ruleStates } from "../blocks/live_states";
 import type { RobotLink } from "./robot_link";
@@ -33,7 +33,6 @@ export class RobotRules {
   private asked = 0;
 
   constructor(
-    private readonly api: Api,
     private readonly editor: RuleEditor,
     private readonly link: RobotLink,
   ) {
@@ -79,7 +78,7 @@ export class RobotRules {
     };
     try {
       if (!(await this.editor.isSound())) return tell({ kind: "unclear", why: "The text has errors." });
-      const preview = await this.api.ask("POST /api/push/preview", { ...this.editor.rules, node });
+      const preview = await this.editor.api.ask("POST /api/push/preview", { ...this.editor.rules, node });
       tell({ kind: preview.same ? "same" : "other", preview });
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
@@ -126,7 +125,6 @@ export class RulePush {
   });
 
   constructor(
-    private readonly api: Api,
     private readonly editor: RuleEditor,
     private readonly link: RobotLink,
   ) {}
@@ -154,7 +152,7 @@ export class RulePush {
     }
     await this.guarded(UNCHANGED, UNCHANGED, async () => {
       const { rules } = this.editor;
-      const preview = await this.api.ask("POST /api/push/preview", { ...rules, node });
+      const preview = await this.editor.api.ask("POST /api/push/preview", { ...rules, node });
       this.stage.value = { kind: "asked", node, preview, rules };
     });
   }
@@ -168,7 +166,7 @@ export class RulePush {
     const unknown =
       "It is not known whether the robot received the rules. If it did, it reverts them unless they are kept.";
     await this.guarded(unknown, UNCHANGED, async () => {
-      const staged = await this.api.push(rules, node);
+      const staged = await this.editor.api.push(rules, node);
       const withinS = staged.confirm_within_s;
       this.stage.value =
         staged.state === "same"
@@ -183,7 +181,7 @@ export class RulePush {
     if (stage.kind !== "trying") return;
     const unknown = `It is not known whether the rules were kept. If not, the robot reverts them within ${stage.withinS} s.`;
     await this.guarded(unknown, "The rules were not kept, and the robot reverts them.", async () => {
-      await this.api.ask("POST /api/push/confirm", { node: stage.node, hash: stage.hash });
+      await this.editor.api.ask("POST /api/push/confirm", { node: stage.node, hash: stage.hash });
       const { node, hash, isSeen } = stage;
       this.stage.value = { kind: "kept", node, hash, isSeen, lasting: null };
     });
@@ -193,7 +191,7 @@ export class RulePush {
   async askLasting(): Promise<void> {
     const { node } = { node: "", ...this.stage.peek() };
     try {
-      const lasting = await this.api.ask("POST /api/push/lasting", { node });
+      const lasting = await this.editor.api.ask("POST /api/push/lasting", { node });
       const stage = this.stage.peek();
       if (stage.kind === "kept" && stage.node === node) this.stage.value = { ...stage, lasting };
     } catch (error) {
@@ -207,7 +205,7 @@ export class RulePush {
     if (stage.kind !== "kept") return;
     const unknown = "It is not known whether the rules were written to the robot's file.";
     await this.guarded(unknown, "The rules are in force, and were not written to the robot's file.", async () => {
-      const { file, previous_file: previousFile } = await this.api.ask("POST /api/push/write", {
+      const { file, previous_file: previousFile } = await this.editor.api.ask("POST /api/push/write", {
         node: stage.node,
         hash: stage.hash,
       });

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, signal, untracked } from "@preact/signals";
-import type { Api } from "../api/client";
 import type { Edit, RuleZones, ZoneRectangle, ZonesAnswer } from "../api/types";
 import type { Drawn, MapZone, Point } from "../map/shapes";
 import type { RuleEditor } from "./rule_editor";
@@ -35,10 +34,7 @@ export class ZoneEditor {
   });
   readonly shown = computed((): MapZone[] => this.zonesToShow());
 
-  constructor(
-    private readonly api: Api,
-    readonly editor: RuleEditor,
-  ) {}
+  constructor(readonly editor: RuleEditor) {}
 
   /** Asks anew whenever the server has read the text; returns how to stop. */
   follow(): () => void {
@@ -77,7 +73,7 @@ export class ZoneEditor {
   /** Makes a draft of the rectangles that cover a polygon. */
   async cover(corners: readonly Point[], most: number): Promise<void> {
     await this.editor.attempt(async () => {
-      const { rectangles, polygon_m2, over_m2 } = await this.api.ask("POST /api/zones/cover", {
+      const { rectangles, polygon_m2, over_m2 } = await this.editor.api.ask("POST /api/zones/cover", {
         corners: corners.map(([x, y]) => [x, y]),
         max_rectangles: most,
       });
@@ -122,7 +118,7 @@ export class ZoneEditor {
   private async ask(): Promise<void> {
     const { rules } = this.editor;
     await this.editor.attempt(async () => {
-      const zones = await this.api.ask("POST /api/zones", rules);
+      const zones = await this.editor.api.ask("POST /api/zones", rules);
       if (rules.text === this.editor.text.peek()) this.answer.value = { zones, text: rules.text };
     });
   }

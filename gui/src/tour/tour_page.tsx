@@ -17,10 +17,12 @@ import parameters from "./example.toml?raw";
 
 /** The editor on an example that is in no file, and the tour of it; `rules` is the file that it was called from. */
 export function TourPage({ project, refresh, rules, keptIncidents }: PageProps) {
-  const own = useMemo(
-    () => ({ api: new ExampleApi(), editors: exampleEditors(), project: exampleProject(project) }),
-    [],
-  );
+  const own = useMemo(() => {
+    const api = new ExampleApi();
+    // No draft is kept of the example.
+    const editors = new OpenEditors(api, new Drafts(FORGETTING, "example", "", async () => new Set()));
+    return { api, editors, project: exampleProject(project) };
+  }, []);
   useEffect(() => focusPageSoon, []);
   const end = () => toRoute(rules === undefined ? { page: "home", name: "" } : { page: "rules", name: rules });
   return (
@@ -80,11 +82,6 @@ function exampleProject(project: Project): Project {
       ...project.files.filter(({ kind }) => kind === "bag"),
     ],
   };
-}
-
-/** Editors of the example, of which no draft is kept. */
-function exampleEditors(): OpenEditors {
-  return new OpenEditors(new Drafts(FORGETTING, "example", "", async () => new Set()));
 }
 
 const FORGETTING: DraftStorage = {

@@ -18,12 +18,11 @@ import { CheckChart, type HeldBar, OtherThreshold } from "./check_chart";
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   trial: Trial;
 }
 
 /** For a check of the rules: its value over the recording, its threshold, and when it held. */
-export function CheckCourses({ editor, api, trial }: Props) {
+export function CheckCourses({ editor, trial }: Props) {
   const checks = useMemo(() => checksIn(editor.statements.value), [editor.statements.value]);
   const [chosen, setChosen] = useState(-1);
   const one = checks[chosen];
@@ -40,19 +39,19 @@ export function CheckCourses({ editor, api, trial }: Props) {
         ]}
         choose={setChosen}
       />
-      {one && <CourseOfCheck key={`${chosen} ${one.words}`} {...{ editor, api, trial, one }} />}
+      {one && <CourseOfCheck key={`${chosen} ${one.words}`} {...{ editor, trial, one }} />}
     </section>
   );
 }
 
-function CourseOfCheck({ editor, api, trial, one }: Props & { one: RobotCheck }) {
+function CourseOfCheck({ editor, trial, one }: Props & { one: RobotCheck }) {
   const { check, condition } = one;
   const threshold = useSignal(check.value);
   const asked = useMemo(
     () => ({ bag: trial.bag, check, condition, profileText: editor.profile.peek()?.text ?? null }),
     [trial, one],
   );
-  const { course, work } = useCheckCourse(api, asked, threshold.value);
+  const { course, work } = useCheckCourse(editor.api, asked, threshold.value);
   if (course === null) return <WorkProgress work={work} doing={`Reading ${check.topic} ${check.property}`} />;
   return (
     <>

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { Api } from "../api/client";
 import type { RuleZones, TryIncident, TryTopic } from "../api/types";
 import type { KeptIncidents } from "../incidents/kept_incidents";
 import { missingWords, sumOf, windowWords } from "../incidents/missing_words";
@@ -27,7 +26,6 @@ import { Scrubber, Strip } from "./strip";
 
 interface Props {
   editor: RuleEditor;
-  api: Api;
   trial: Trial;
   keptIncidents: KeptIncidents;
   /** What is another one since the try: `rules`, `profile`, `recording`. */
@@ -35,7 +33,7 @@ interface Props {
 }
 
 /** A try: what it saved, and below one scrubber the map, the rules, the rates, the loss and every decision. */
-export function TryResult({ editor, api, trial, keptIncidents, changed }: Props) {
+export function TryResult({ editor, trial, keptIncidents, changed }: Props) {
   const { answer } = trial;
   const [worst, error, missed] = [lossWords(answer), errorWords(answer), missedWords(answer)];
   const kbPerS = sentKbPerS(answer);
@@ -70,11 +68,11 @@ export function TryResult({ editor, api, trial, keptIncidents, changed }: Props)
         timeline={trial}
         show={isOld ? null : (line) => editor.showLine(line)}
       />
-      <CheckCourses {...{ editor, api, trial }} />
+      <CheckCourses {...{ editor, trial }} />
       <TriedIncidents keptIncidents={keptIncidents} trial={trial} />
       <div class="try-columns">
         <div class="try-column">
-          {answer.path.length > 1 && <TryMap {...{ editor, api, trial }} />}
+          {answer.path.length > 1 && <TryMap {...{ editor, trial }} />}
           <LossTables trial={trial} />
         </div>
         <div class="try-column">
@@ -100,9 +98,9 @@ function followInEditor(editor: RuleEditor, trial: Trial): () => void {
 }
 
 /** Where the robot went and is at the time of the scrubber, with a dot wherever something was decided. */
-function TryMap({ editor, api, trial }: { editor: RuleEditor; api: Api; trial: Trial }) {
-  const zones = useMemo(() => new ZoneEditor(api, editor), []);
-  const floor = useMemo(() => new MapFloor(api, editor), []);
+function TryMap({ editor, trial }: { editor: RuleEditor; trial: Trial }) {
+  const zones = useMemo(() => new ZoneEditor(editor), []);
+  const floor = useMemo(() => new MapFloor(editor), []);
   useEffect(() => zones.follow(), []);
   useEffect(() => floor.followPicture(), []);
   const deciding = trial.rules.value.filter(({ decides }) => decides.length > 0).map(({ rule }) => rule);

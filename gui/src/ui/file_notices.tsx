@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
-import { type Api, Refused, refusalOf } from "../api/client";
+import { Refused, refusalOf } from "../api/client";
 import type { Project } from "../api/types";
 import { type Conflict, isStatus, type OpenFile, saveByItself } from "../state/open_file";
 import { Button } from "./button";
@@ -40,7 +40,6 @@ export function useOpenFile(file: OpenFile, project: Project, save: (byItself: b
 }
 
 interface Props {
-  api: Api;
   file: OpenFile;
   /** Called with the name of the new file, after the text was saved under it. */
   onSavedAs: (name: string) => unknown;
@@ -52,7 +51,7 @@ export function ConflictDialog(props: Props) {
   return conflict && <WaysOut {...props} conflict={conflict} />;
 }
 
-function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflict }) {
+function WaysOut({ file, conflict, onSavedAs }: Props & { conflict: Conflict }) {
   const [problem, setProblem] = useState("");
   const ending = file.name.slice(file.name.lastIndexOf("."));
   const guarded = async (work: () => Promise<unknown>) => {
@@ -85,7 +84,7 @@ function WaysOut({ api, file, conflict, onSavedAs }: Props & { conflict: Conflic
         // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
         <div class="conflict-words" role="region" aria-label="What a robot does otherwise" tabIndex={0}>
           <DifferenceWords
-            api={api}
+            api={file.api}
             title="With yours, a robot does this otherwise than with theirs:"
             oldText={conflict.theirs}
             newText={conflict.mine}

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { Api } from "../../src/api/client";
 import { type Optimized, optimized } from "../../src/panels/optimize_panel";
 import { openRules, refused } from "../state/served";
 
@@ -23,7 +22,7 @@ async function optimizing() {
     },
   );
   const told: Optimized[] = [];
-  const ask = () => optimized(editor, new Api(), (answer) => told.push(answer));
+  const ask = () => optimized(editor, (answer) => told.push(answer));
   return { editor, told, ask, answer: (about: string, answer: unknown) => answers.get(about)?.(answer) };
 }
 

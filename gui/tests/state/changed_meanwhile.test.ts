@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { Api } from "../../src/api/client";
 import { ImportDraft } from "../../src/panels/sharing";
 import { openRules } from "./served";
 
@@ -15,7 +14,7 @@ afterEach(() => vi.unstubAllGlobals());
 /** An import of another file into rules that are open, with its dialog open. */
 async function importing(disk: { text: string }) {
   const editor = await openRules(disk, { "POST /api/import/preview": () => PREVIEW, "POST /api/import": imported });
-  const draft = new ImportDraft(new Api(), editor);
+  const draft = new ImportDraft(editor);
   await draft.readDisk(new File(["begin\nend\n"], "b.adirf"));
   return { editor, draft };
 }

@@ -18,7 +18,7 @@ test.each([
 ] as const)("a %s lies where its own file says, and an image where somebody put it", async (kind, scale, shown) => {
   serve({ "POST /api/background": () => ({ ...FOUND, kind, metres_per_pixel: scale }) });
   const map = signal({ ...SAID, kind });
-  const floor = new MapFloor(new Api(), { map, attempt: (work) => work() });
+  const floor = new MapFloor({ api: new Api(), map, attempt: (work) => work() });
   const stop = floor.followPicture();
   await vi.waitFor(() => expect(floor.picture.value).toMatchObject(shown));
   stop();

@@ -29,7 +29,7 @@ test.each(["GET /api/file", "POST /api/profile/for"])("rules are compared only o
   const link = linkOf(robotOf("/ada"));
   serve({ ...answers, [late]: after });
   const editor = new RuleEditor(new Api(), "a.adirf", draftsIn());
-  const stop = new RobotRules(new Api(), editor, link).follow();
+  const stop = new RobotRules(editor, link).follow();
   const opened = editor.open();
   await vi.advanceTimersByTimeAsync(LONG_MS - 1);
   expect(compared).not.toHaveBeenCalled();

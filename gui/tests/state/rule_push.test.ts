@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { Api } from "../../src/api/client";
 import { RulePush } from "../../src/state/robot_rules";
 import { openRules } from "./served";
 import { linkOf, robotOf, tell } from "./told_robots";
@@ -24,7 +23,7 @@ async function pushing(disk = { text: "begin\nend\n" }) {
     "POST /api/push/confirm": () => ({}),
   });
   const link = linkOf(robotOf("/ada"), robotOf("/bob"));
-  const push = new RulePush(new Api(), editor, link);
+  const push = new RulePush(editor, link);
   push.follow();
   return { editor, link, push, compared, sent };
 }

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { Api } from "../../src/api/client";
 import { ZoneEditor } from "../../src/state/zone_editor";
 import { openRules } from "./served";
 
@@ -14,7 +13,7 @@ afterEach(() => vi.unstubAllGlobals());
 async function drawn() {
   const edit = vi.fn(({ text = "" }) => ({ text: `${text}// zone\n`, document: READ }));
   const editor = await openRules({ text: "begin\nend\n" }, { "POST /api/zones": () => ZONES, "POST /api/edit": edit });
-  const zones = new ZoneEditor(new Api(), editor);
+  const zones = new ZoneEditor(editor);
   await zones.draw(SQUARE);
   return { editor, zones, edit };
 }
