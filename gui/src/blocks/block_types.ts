@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
+import type { RuleStatement } from "../api/types";
 import { CLOCK_METHODS, chooseTime } from "./clocks";
 import {
   button,
@@ -10,6 +11,7 @@ import {
   DOWN,
   MINUS,
   numberField,
+  OPEN,
   operatorField,
   PLUS,
   propertyField,
@@ -23,8 +25,7 @@ import {
   topicField,
   UP,
 } from "./fields";
-import { defineFolded } from "./folded_type";
-import type { RuleBlock } from "./model";
+import { FOLDED, type FoldedRule, type RuleBlock } from "./model";
 import {
   ALL_TOPICS,
   boundProblem,
@@ -33,6 +34,8 @@ import {
   parseTopics,
   rateProblem,
   rateText,
+  ruleName,
+  ruleSets,
   topicsText,
 } from "./rule_words";
 
@@ -337,4 +340,35 @@ function topicsField(suggest: Suggestions): SuggestionField {
 
 function filled(text: string): string | null {
   return text.trim() || null;
+}
+
+interface FoldedState {
+  rule: RuleStatement;
+}
+
+const MOST_LETTERS = 56;
+
+function defineFolded(unfold: (block: Blockly.BlockSvg) => void): void {
+  Blockly.Blocks[FOLDED] = {
+    init(this: FoldedRule) {
+      this.appendDummyInput("LINE").appendField(button(OPEN, "Unfold this rule", unfold), "FOLD");
+      this.setStyle("rule");
+      this.setTooltip("A rule, folded to one line. Unfold it to change it.");
+    },
+    isSwitchedOff(this: FoldedRule) {
+      return this.rule.is_disabled === true;
+    },
+    saveExtraState(this: FoldedRule): FoldedState {
+      return { rule: this.rule };
+    },
+    loadExtraState(this: Blockly.BlockSvg & { rule: RuleStatement }, { rule }: FoldedState) {
+      this.rule = rule;
+      const isOff = rule.is_disabled === true;
+      const line = this.getInput("LINE");
+      (this.getField("FOLD") as Blockly.FieldImage).setAlt(`Unfold ${ruleName(rule)}`);
+      line?.appendField(new Blockly.FieldLabel(ruleName(rule), "folded-name"));
+      line?.appendField(`${isOff ? "⊘ switched off" : "sets"} ${ruleSets(rule, MOST_LETTERS)}`);
+      if (isOff) this.setStyle("raw");
+    },
+  };
 }

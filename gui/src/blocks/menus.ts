@@ -3,8 +3,7 @@
 import * as Blockly from "blockly/core";
 import type { BlockButtons, RuleAct } from "./block_types";
 import { type Choice, timeChoices } from "./clocks";
-import type { RuleBlock } from "./model";
-import { FOLDED } from "./model";
+import { FOLDED, type RuleBlock } from "./model";
 
 type Block = Blockly.BlockSvg;
 

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-
 import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
@@ -9,8 +8,7 @@ import { isNarrow, styleOf } from "../ui/watch";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
 import { type MenuPage, useOwnMenus } from "./menus";
-import type { RuleBlock } from "./model";
-import { stacked, toBlock } from "./model";
+import { type RuleBlock, stacked, toBlock } from "./model";
 import { isTyped, openField } from "./open_field";
 
 const SCALE = 0.72;
