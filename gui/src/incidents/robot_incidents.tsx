@@ -153,15 +153,15 @@ export class RobotIncidents {
 
   constructor(
     private readonly api: Api,
-    /** Another incident is in the project. */
-    private readonly arrived: () => void,
+    /** Called when another incident is in the project. */
+    private readonly onFetched: () => void,
   ) {}
 
   /** Asks the robots, those that come later too, and follows what is fetched until the returned function is called. */
   open(): () => void {
     this.isOpen = true;
     void this.ask();
-    void this.follow(() => this.api.ask("GET /api/robot-incidents/fetches", null));
+    void this.follow();
     return () => {
       this.isOpen = false;
       window.clearTimeout(this.timer);
@@ -171,7 +171,7 @@ export class RobotIncidents {
   /** Asks the robots once more. */
   async ask(): Promise<void> {
     this.isAsking = true;
-    await this.told(async () => {
+    this.problem.value = await refusalOf(async () => {
       const answer = await this.api.ask("GET /api/robot-incidents", null);
       const heard = answer.robots.map(({ robot }) => robot);
       const before = this.answer.peek()?.robots ?? [];
@@ -194,33 +194,28 @@ export class RobotIncidents {
     return this.fetches.value.find((one) => one.robot === robot && one.name === name) ?? null;
   }
 
-  private async follow(ask: () => Promise<FetchesAnswer>): Promise<void> {
-    await this.told(async () => {
+  private async follow(
+    ask: () => Promise<FetchesAnswer> = () => this.api.ask("GET /api/robot-incidents/fetches", null),
+  ): Promise<void> {
+    this.problem.value = await refusalOf(async () => {
       const before = done(this.fetches.peek());
       const { fetches, heard } = await ask();
       this.fetches.value = fetches;
-      if (done(fetches) > before) this.arrived();
-      this.hear(heard);
+      if (done(fetches) > before) this.onFetched();
+      this.askNew(heard);
     });
     window.clearTimeout(this.timer);
     if (!this.isOpen || this.answer.peek()?.is_linked === false) return;
     const isRunning = this.fetches.peek().some(({ state }) => state === "running");
-    this.timer = window.setTimeout(
-      () => void this.follow(() => this.api.ask("GET /api/robot-incidents/fetches", null)),
-      isRunning ? FOLLOW_MS : LOOK_MS,
-    );
+    this.timer = window.setTimeout(() => void this.follow(), isRunning ? FOLLOW_MS : LOOK_MS);
   }
 
   /** Asks again where a robot came, or none could be asked: each question costs the link. */
-  private hear(heard: readonly string[]): void {
+  private askNew(heard: readonly string[]): void {
     if (this.isAsking) return;
     const isNew = heard.some((robot) => !this.heard.peek().includes(robot));
     this.heard.value = heard;
     if (isNew || this.answer.peek()?.problem !== "") void this.ask();
-  }
-
-  private async told(work: () => Promise<void>): Promise<void> {
-    this.problem.value = await refusalOf(work);
   }
 }
 
