@@ -177,7 +177,7 @@ export class Warnings {
   }
 }
 
-/** Takes the mark off a block; who stands on it with the keyboard stands on the block then. */
+/** Takes the mark off a block, which gets the focus if the mark had it. */
 function take(block: Blockly.BlockSvg): void {
   const focus = Blockly.getFocusManager();
   const icon = block.getIcon(Blockly.icons.WarningIcon.TYPE);

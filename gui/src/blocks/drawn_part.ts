@@ -256,7 +256,7 @@ export function partAround(index: number, total: number): Part {
   return { first, count: Math.min(WHOLE / 2, total - first), total };
 }
 
-/** The same part of a text that changed, by the keys of its statements: what comes or goes in it makes it longer or shorter. */
+/** The part after a change of the text, by the keys of its statements: what comes or goes in it changes its length. */
 export function follow(part: Part, before: readonly string[], after: readonly string[]): Part {
   const total = after.length;
   if (total <= WHOLE || part.total === 0) return partAround(0, total);

@@ -64,7 +64,7 @@ export function topicField(suggest: Suggestions, label: string): SuggestionField
   const offer = {
     hint: "Any other name is kept as typed",
     choices: () => suggest.topicChoices(),
-    // Who types the slash writes a name; without it, looks for one.
+    // A text with a slash is a name; without it, a search.
     isWhole: (text: string) => text.startsWith("/"),
     refusal: (text: string) => (oneWord(text) === null ? "A topic's name is one word, such as /odom" : ""),
   };

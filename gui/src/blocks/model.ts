@@ -135,7 +135,7 @@ export interface ClockState {
   times?: number;
   hasUntil?: boolean;
 }
-/** One `For` or `Within` behind a condition. */
+/** A `For` or `Within` behind a condition. */
 export interface TimePart {
   word: TimeWord;
   duration: DurationValue;
@@ -291,7 +291,7 @@ function conditionPrint(condition: Condition): unknown {
 
 /** The blocks that stand in THEN and ELSE. */
 export const ACTION_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within", "adirf_record"]);
-/** Those of them that are defaults outside rules, where they hang together. */
+/** The blocks of THEN and ELSE that outside rules are defaults, which hang together. */
 export const DEFAULT_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within"]);
 
 /** A part of THEN or ELSE as a block to load. */

@@ -367,7 +367,7 @@ export class RuleWorkspace {
     this.owner.ahead(this.isAhead());
   }
 
-  /** As `hand`, for what blocks said when they were left. */
+  /** Brings into the text what blocks said when they were left. */
   private async handLeft(left: Standing): Promise<void> {
     this.underWay++;
     const lost = await bringLeft(this.drawn, left, this.owner.changed);

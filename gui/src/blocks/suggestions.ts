@@ -62,7 +62,7 @@ function topicChoice(now: KnownNow, known: KnownTopic): PickerChoice {
   return { word: known.topic, aside: sourceWords(now, known), note: [known.type, use].filter(Boolean).join(" · ") };
 }
 
-/** How often a topic comes, by who knows best: the robot, else a recording, else the topic parameters. */
+/** How often a topic comes: on the robot, else in a recording, else by the topic parameters. */
 function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, source_hz }: KnownTopic): string {
   const relayed = live.value?.status.topics[topic];
   if (relayed?.source_hz != null) return `${hz(relayed.source_hz)} on the robot`;

@@ -12,7 +12,7 @@ import { NeedsServer, useRobot } from "../ui/connection";
 /** Which incidents the server keeps now, and what came of it, on every page until somebody has read it. */
 export function KeptIncidentsBar({ keptIncidents }: { keptIncidents: KeptIncidents }) {
   const keeps = keptIncidents.keeps.value;
-  // What is read by whom may only watch stays for the others.
+  // A page that may only watch takes nothing away from the others.
   const mayEnd = !useRobot().onlyWatches.value;
   if (keeps.length === 0) return null;
   return (

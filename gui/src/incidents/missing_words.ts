@@ -67,7 +67,7 @@ export function sinceMoment(seconds: number): string {
   return `${size} s ${seconds < 0 ? "before" : "after"}`;
 }
 
-/** The same of a stamp. */
+/** A stamp as a time from the moment of an incident. */
 export function sinceTrigger(ns: number, triggeredNs: number): string {
   return sinceMoment(secondsTo(ns, triggeredNs));
 }
@@ -90,7 +90,7 @@ export function furtherWords(record: IncidentRecord, units: Readonly<Record<stri
   return more > 0 ? [...listed, `and ${counted(more, "time")} more`] : listed;
 }
 
-/** All that an incident holds of its topics. */
+/** The sum of messages or bytes over the topics of an incident. */
 export function sumOf(topics: IncidentRecord["topics"], what: "messages" | "bytes"): number {
   return Object.values(topics).reduce((sum, topic) => sum + topic[what], 0);
 }

@@ -50,7 +50,7 @@ export function AccuracyTables(props: {
 
 const shown = (value: number | null) => (value === null ? "–" : readable(value));
 
-/** The curve of rates as numbers, for who cannot see it or wants them. */
+/** The curve of rates as numbers. */
 export function CurveTable({ curve }: { curve: Curve }) {
   return (
     <details>

@@ -187,7 +187,7 @@ export class MapView {
     this.showMarks();
   }
 
-  /** The host has another size; who has not moved the map still sees everything. */
+  /** Follows another size of the host; a map that nobody moved still shows everything. */
   resize(): void {
     if (this.seen() === this.fitted) this.fit(this.fittedPlaces);
     else this.map.updateSize();

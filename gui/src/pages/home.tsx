@@ -62,7 +62,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
     if (why !== "") deleted.value = [...deleted.value, file];
     await refresh();
   };
-  // Who comes back looks for the own files, who is new for a way to begin.
+  // In a project with files these come first, in a new one the ways to begin.
   const hasFiles = project.files.some(({ kind }) => kind === "rules" || kind === "profile");
   return (
     <main class="home">

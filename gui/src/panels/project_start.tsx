@@ -52,7 +52,7 @@ export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose
   return <StartDialog origin={origin} {...props} />;
 }
 
-/** The same of what a robot relays now. */
+/** Makes rules and topic parameters of what a robot relays now. */
 export function RobotStart({ node, label, ...props }: Props & { node: string; label: string; onClose: () => void }) {
   const { api } = props;
   const origin: Origin = {

@@ -53,7 +53,7 @@ function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: re
 const RATE_COLUMNS = ["Topic", "Source (Hz)", "Target (Hz)", "Actual (Hz)", "Actual, last 48 s", "Sent (KB/s)"];
 const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
 
-/** The same for the columns of a link. */
+/** What the row of a topic says in the columns of a link. */
 function linkCellsOf({ link }: TopicStatus): string {
   if (link === undefined) return "–\n–\n–";
   const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
@@ -74,7 +74,7 @@ const REASONS: Record<string, string> = {
 interface RowProps {
   link: RobotLink;
   topic: string;
-  /** One text, so that a row in which nothing changed is left alone. */
+  /** A single text: an equal one does not draw the row again. */
   cells: string;
   linkCells: string | null;
 }
@@ -200,7 +200,7 @@ function RobotPath({ history }: { history: RobotHistoryAnswer }) {
     const [, x = 0, y = 0] = history.path.at(-1) ?? [];
     view.setPath(history.path.map(([, ...place]) => place));
     view.setRobot([x, y]);
-    // Who looks at a part of the map stays there.
+    // A map that somebody moved stays where it is.
     view.resize();
   }, [view, history]);
   return (

@@ -111,7 +111,7 @@ function SourceChoice({ project, editor, draft }: { project: Project; editor: Ru
   );
 }
 
-/** Whom a statement meets in this file, and which of the two shall stay. */
+/** The statement of the same name in this file, and which of the two shall stay. */
 function SharedBorder({ draft, statement }: { draft: ImportDraft; statement: Statement }) {
   const id = idOf(statement);
   const met = draft.conflict(id);

@@ -116,7 +116,7 @@ function choiceWords(folder: string, count: number, { has_more, root_name }: Pro
 function LastTry({ editor, project, tries, keptIncidents }: Props) {
   const [trial, folder] = [tries.last.value, tries.folder.value?.folder];
   const back = useRef<HTMLParagraphElement>(null);
-  // Who came from the table has no focus: its button is gone.
+  // After the table nothing has the focus: the button that had it is gone.
   useEffect(() => focusIn(back.current, "button"), []);
   return (
     <>

@@ -7,7 +7,7 @@ export type DraftKind = "rules" | "profile";
 
 /** What was not saved of one file. */
 export interface Draft {
-  /** All that its editor needs to go on, as JSON. */
+  /** What its editor needs to go on, as JSON. */
   content: string;
   /** Of the file that was changed; null where there was none. */
   hash: string | null;

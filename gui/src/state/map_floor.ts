@@ -10,7 +10,7 @@ const RADIANS = Math.PI / 180;
 export const MAP_FRAME = "map";
 const NO_PATH: readonly Point[] = [];
 
-/** Whose floor it is: what its side file says, and who says what was refused. */
+/** What a floor belongs to: its side file names the map, and it says what was refused. */
 interface FloorOwner {
   readonly api: Api;
   readonly map: Signal<MapSetting>;
@@ -56,7 +56,7 @@ export class MapFloor {
     };
   }
 
-  /** As `follow`, for the map or image alone. */
+  /** Loads the map or image that the side file names, now and when that changes; returns how to stop. */
   followPicture(): () => void {
     const kind = computed(() => this.editor.map.value.kind);
     const name = computed(() => this.editor.map.value.name);

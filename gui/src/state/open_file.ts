@@ -32,7 +32,7 @@ export abstract class OpenFile {
 
   /** What undo goes through: the text, or all that it is made of. */
   abstract readonly content: ReadonlySignal<string>;
-  /** All that a save writes, as a draft keeps it; another one with each change. */
+  /** What a save writes, as a draft holds it; another object after each change. */
   abstract readonly whole: ReadonlySignal<object>;
   /** Whether what is there now is worth a save that nobody asks for. */
   abstract isSound(): boolean | Promise<boolean>;
@@ -230,7 +230,7 @@ export abstract class OpenFile {
   /** Does this once all that was asked for before is done; a save makes the hash that the next one needs. */
   protected async queued(work: () => Promise<void>): Promise<void> {
     const done = this.queue.then(work);
-    // Whoever asked hears what went wrong; what comes after it has its turn all the same.
+    // A failure reaches the caller, and does not keep later work from its turn.
     this.queue = done.catch(() => undefined);
     await done;
   }
@@ -370,7 +370,7 @@ export function saveByItself(file: SelfSaving, save: () => Promise<void>): () =>
   let timer: number | undefined;
   let isHeld = false;
   let isSaving = false;
-  // Who removed a file does not want it back by itself.
+  // A file that was removed must not come back by itself.
   const isContested = () => file.restored.peek()?.isContested === true || file.diskChange.peek() === "gone";
   const mayNot = () => isHeld || isSaving || file.isInFile.peek() || isContested();
   const saveNow = async () => {

@@ -35,7 +35,7 @@ interface Drafted extends Table {
 
 const NOTHING: ProfileTable = { rows: [{ topic: "" }], budget_kb_per_s: null };
 
-/** The same letters for the same table. */
+/** A table as text, in one order of its keys, so that equal tables are equal texts. */
 function packed({ rows, budget, baseText }: Table): string {
   return JSON.stringify({ rows, budget, baseText });
 }
@@ -82,7 +82,7 @@ export class ProfileEditor extends OpenFile {
 
   protected unpacked(draft: string): string | null {
     const table = draftOf(draft);
-    // Who comes from other rules now makes it for those.
+    // The rules that the address names come before those of the draft.
     this.madeFor.value ??= table?.madeFor ?? null;
     return table && packed({ ...table, rows: table.rows.map((row) => ({ ...row, key: this.nextKey++ })) });
   }
@@ -164,7 +164,7 @@ export class ProfileEditor extends OpenFile {
     this.putRow(key, { tiers_hz: tiersHz.map(shown) });
   }
 
-  /** The same for accuracies of a row, with what they need. */
+  /** Sets accuracies of a row and the rates that they need, as `setTiers` does levels. */
   setAccuracies(key: number, changes: Partial<Accuracies>, goesOn: boolean): void {
     if (!goesOn) this.remember();
     const before = this.rows.value.find((row) => row.key === key);

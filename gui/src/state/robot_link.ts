@@ -30,7 +30,7 @@ export class RobotLink {
   readonly robots = signal<Robots | null>(null);
   /** The newest values of the watched robot, only while it is heard. */
   readonly live = computed(() => (this.connection.value.kind === "connected" ? this.newest.value : null));
-  /** The same, at most five times a second: for what is read and not watched. */
+  /** `live`, at most five times a second: for what is read and not watched. */
   readonly calm = computed(() => {
     void this.samples.value;
     return this.connection.value.kind === "connected" ? this.newest.peek() : null;
@@ -56,7 +56,7 @@ export class RobotLink {
   readonly goneSinceMs = signal<number | null>(null);
   /** How often the server came back. */
   readonly returns = signal(0);
-  /** Whether whoever looks at this page may change neither files nor robots. */
+  /** Whether this page may change neither files nor robots. */
   readonly onlyWatches = signal(false);
   private readonly newest = signal<Live | null>(null);
   readonly updateHz = signal(Number(localStorage.getItem(RATE_KEY)) || USUAL_HZ);
@@ -284,7 +284,7 @@ export class RateRing {
   }
 }
 
-/** One ring for each topic that is relayed now. */
+/** A ring for each topic that is relayed now. */
 class RateRings {
   private readonly rings = new Map<string, RateRing>();
 

@@ -323,7 +323,7 @@ interface Spot {
   from: "text" | "blocks" | "findings" | "map" | "try";
 }
 
-/** A typist who pauses longer looks up. */
+/** After a shorter pause typing goes on. */
 const PAUSE_MS = 300;
 
 /** Asks what rules say now, once at a time: rules of the past are not asked about. */
@@ -349,7 +349,7 @@ export class CheckQueue {
     const rules = this.now();
     if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
     this.asked = rules;
-    // Whoever asked before hears what went wrong there.
+    // A failure of the question before reaches its own caller.
     const before = this.asking.catch(() => undefined);
     this.asking = before.then(() => (this.asked === rules ? this.answer(rules) : undefined));
     await this.asking;

@@ -5,7 +5,7 @@ import { numberProblem, typedNumber } from "../ui/numbers";
 
 export const TIER_COUNT = 6;
 
-/** One row as it is being typed: texts, since half a number is not a number yet. */
+/** A row as it is being typed: texts, since half a number is not a number yet. */
 export interface DraftRow extends TypedRow {
   key: number;
   type: string | null;

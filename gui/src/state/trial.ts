@@ -112,7 +112,7 @@ export const MAX_ROWS = 100;
 export class FolderTrial {
   /** In the order in which they were tried. */
   readonly rows = signal<readonly TriedRow[]>([]);
-  /** Those that could not be tried, with cause and remedy. */
+  /** The recordings that could not be tried, with cause and remedy. */
   readonly problems = signal<readonly { bag: string; why: string }[]>([]);
   /** How the rows are sorted where somebody looks at them. */
   readonly order = signal<Order>(WORST_FIRST);

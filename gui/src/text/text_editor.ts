@@ -30,7 +30,7 @@ import { difference } from "./difference";
 /** The list turns pages and does not scroll: the keyboard cannot reach a part that does. */
 const SUGGESTIONS_SHOWN = 10;
 
-/** After this pause a list opens: who goes on typing knows the word, and a list takes long to draw. */
+/** Suggestions open after this pause: an open list slows down typing. */
 const SUGGESTED_AFTER_MS = 200;
 
 /** What the text tells and asks. */
@@ -177,7 +177,7 @@ export class TextEditor {
   }
 }
 
-/** All that a mark shows, at a place. */
+/** What a mark shows, and its place. */
 function saidBy(
   { severity, source, message, actions }: Omit<Diagnostic, "from" | "to">,
   from: number,

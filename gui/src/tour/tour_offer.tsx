@@ -9,7 +9,7 @@ import { focusPageSoon } from "../ui/dialog";
 const KEY = "tour";
 
 /**
- * Offers the tour to who opens the page for the first time; an answer is for good.
+ * Offers the tour when the page is opened for the first time; an answer is for good.
  *
  * Beside rules it is gone as soon as somebody works on them, and back on the home screen.
  */

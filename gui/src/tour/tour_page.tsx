@@ -236,7 +236,7 @@ export function shownPart(box: Box, view: Size): Box {
   return { left, top, width, height };
 }
 
-/** One stop of the tour: what it says, and the part of the page that it points at. */
+/** A step of the tour: what it says, and the part of the page that it points at. */
 interface TourStep {
   title: string;
   text: string;

@@ -138,7 +138,7 @@ function useCheckCourse(
           { signal },
         );
       });
-    // Who drags is answered once the line rests.
+    // While the line is dragged nothing is asked.
     const timer = window.setTimeout(ask, course === null ? 0 : ASK_AFTER_MS);
     return () => window.clearTimeout(timer);
   }, [threshold, asked.bag]);

@@ -30,7 +30,7 @@ export function FolderResult({ trial, isRunning, changed, opened, open }: Props)
   const rows = trial.rows.value;
   const count = trial.recordings.length;
   const result = useRef<HTMLDivElement>(null);
-  // Who comes back from a try has no focus: its button is gone.
+  // Back from a try, nothing has the focus: the button that had it is gone.
   useEffect(() => focusIn(result.current, `tbody button[title="${CSS.escape(opened ?? "")}"]`), []);
   // The progress and what ends it stand above.
   useEffect(() => showOnNarrow(() => result.current?.parentElement ?? null), [trial, rows.length > 0]);
@@ -170,7 +170,7 @@ export function missedWords(headline: Pick<TryHeadline, "crossings" | "missed_cr
   return crossings === 0 ? "" : `${readable(missed_crossings)} of ${readable(crossings)}`;
 }
 
-/** That a try is of something else than what there is now; nothing where all is the same. */
+/** Says what changed since a try; nothing where nothing did. */
 export function StaleNotice({ changed, advice }: { changed: readonly string[]; advice: string }) {
   if (changed.length === 0) return null;
   return (

@@ -52,7 +52,7 @@ const TokenWay = () => (
   </>
 );
 
-/** Says on every page to whoever may only watch what that means. */
+/** Says on every page that it may only watch, and what that means. */
 export function WatchNotice() {
   if (!useRobot().onlyWatches.value) return null;
   return (
@@ -63,7 +63,7 @@ export function WatchNotice() {
   );
 }
 
-/** What can be pressed only while the server answers, and, where it `changes` files or robots, by whom may do that. */
+/** Disables its children while the server is gone and, where they change something, on a page that may only watch. */
 export function NeedsServer({ changes = false, children }: { changes?: boolean; children: ComponentChildren }) {
   const link = useRobot();
   const whyNot = link.isServerGone.value

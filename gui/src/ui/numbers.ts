@@ -4,7 +4,7 @@
 const BLANK_BETWEEN_THOUSANDS = /(?<=\d)[ \u00a0\u2009\u202f](?=\d{3}(?!\d))/g;
 /** A comma before exactly three digits stands before decimals for some people and between thousands for others. */
 const COMMA_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2},\d{3}$/;
-/** The same of a point, where people write decimals with a comma. A number that the page shows never ends so. */
+/** A point with two meanings, where people write decimals with a comma. No number that the page shows ends so. */
 const POINT_OF_TWO_MEANINGS = /^[+-]?[1-9]\d{0,2}\.\d{2}0$/;
 
 /** Whether the browser's language writes decimals with a comma. The first answer takes long. */
