@@ -11,7 +11,7 @@ import type { PageProps } from "./pages/page_props";
 import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
 import { browserStorage, Drafts, OpenTabs } from "./state/drafts";
 import { OpenEditors } from "./state/open_editors";
-import type { Lost } from "./state/rule_editor";
+import type { LostChanges } from "./state/rule_editor";
 import { TourOffer } from "./tour/tour_offer";
 import { Button } from "./ui/button";
 import { ServerGone, useReturn, useRobot, WatchNotice } from "./ui/connection";
@@ -117,7 +117,7 @@ export function App({ api }: { api: Api }) {
 }
 
 /** Says what somebody left in the blocks of a file and its text did not take. */
-function LostNotice({ lost }: { lost: Signal<Lost | null> }) {
+function LostNotice({ lost }: { lost: Signal<LostChanges | null> }) {
   if (lost.value === null) return null;
   const { name, changes, why } = lost.value;
   const text = `${name}: what the blocks said did not come into the text: ${changes.join("; ")}. ${why}`;

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
-import type { Lost } from "../state/rule_editor";
+import type { LostChanges } from "../state/rule_editor";
 import type { Folds } from "../state/statements";
 import { Badges, Warnings } from "./badges";
 import type { RuleAct } from "./block_types";
@@ -41,7 +41,7 @@ interface WorkspaceOwner {
   recipes(): Promise<readonly Statement[] | null>;
   changed: Changed;
   /** What blocks said when they were left did not come into the text. */
-  lost(lost: Omit<Lost, "name">): void;
+  lost(lost: Omit<LostChanges, "name">): void;
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
   tell(message: string): void;

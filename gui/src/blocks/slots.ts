@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type * as Blockly from "blockly/core";
 import type { Edit, PlacedCollection, RuleDocument, Statement } from "../api/types";
-import type { Lost } from "../state/rule_editor";
+import type { LostChanges } from "../state/rule_editor";
 import type { RuleAct } from "./block_types";
 import { fingerprint, toStatement } from "./model";
 import { statementTitle } from "./rule_words";
@@ -301,7 +301,7 @@ export async function bringLeft(
   drawn: { readonly first: number; slots: Slot[] },
   left: Standing,
   changed: Changed,
-): Promise<Omit<Lost, "name"> | null> {
+): Promise<Omit<LostChanges, "name"> | null> {
   const givenUp = new Set<Blockly.BlockSvg>();
   const wanted: Standing = {
     ...left,

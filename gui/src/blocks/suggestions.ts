@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReadonlySignal } from "@preact/signals";
 import { type KnownTopic, type Live, type Property, TIERS, type Vocabulary } from "../api/types";
-import type { Words } from "../state/statements";
+import type { VocabularyCache } from "../state/statements";
 import type { Trial } from "../state/trial";
 import { hz, readable } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker";
@@ -16,7 +16,7 @@ export const ON_ROBOT = "on the robot now";
 interface KnownNow {
   /** The topic parameters of the rules. */
   profile: ReadonlySignal<{ name: string } | null>;
-  words: Pick<Words, "vocabulary" | "offered">;
+  words: Pick<VocabularyCache, "vocabulary" | "offered">;
   live: ReadonlySignal<Live | null>;
   /** The last try of the rules on a recording. */
   tried: ReadonlySignal<Trial | null>;

@@ -5,7 +5,7 @@ import type { Api } from "../api/client";
 import type { FileAnswer } from "../api/types";
 import type { Drafts } from "./drafts";
 import { ProfileEditor } from "./profile_editor";
-import { type Lost, RuleEditor } from "./rule_editor";
+import { type LostChanges, RuleEditor } from "./rule_editor";
 import { Folds } from "./statements";
 import { Tries } from "./tries";
 
@@ -13,7 +13,7 @@ import { Tries } from "./tries";
 export class OpenEditors {
   readonly tries = new Tries();
   /** What was left in blocks last and did not come into the text, until somebody read it. */
-  readonly lost = signal<Lost | null>(null);
+  readonly lost = signal<LostChanges | null>(null);
   /** What was deleted here and not brought back, the last one at the end. */
   readonly deleted = signal<readonly FileAnswer[]>([]);
   private readonly rules = new Map<string, RuleEditor>();

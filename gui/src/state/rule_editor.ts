@@ -7,7 +7,7 @@ import { counted, readable } from "../ui/numbers";
 import type { Drafts } from "./drafts";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { diskChangeOf, OpenFile } from "./open_file";
-import { Folds, sectionsOf, statementsIn, Words } from "./statements";
+import { Folds, sectionsOf, statementsIn, VocabularyCache } from "./statements";
 
 /** The whole text is read and checked after each pause in typing: with more blocks, somebody waits for that. */
 const MANY_BLOCKS = 1000;
@@ -59,7 +59,7 @@ export class RuleEditor extends OpenFile {
 
   readonly spot = signal<Spot | null>(null);
   /** What to suggest. */
-  readonly words = new Words(this.api);
+  readonly words = new VocabularyCache(this.api);
   readonly profileChoice = new RuleProfile(this.api);
   readonly profile = this.profileChoice.used;
 
@@ -81,7 +81,7 @@ export class RuleEditor extends OpenFile {
     /** Which rules are folded. */
     readonly folds = new Folds(),
     /** Says what was left in the blocks of this file and did not come into its text. */
-    readonly lost = signal<Lost | null>(null),
+    readonly lost = signal<LostChanges | null>(null),
   ) {
     super(api, name, "rules", drafts);
   }
@@ -365,7 +365,7 @@ export class CheckQueue {
 }
 
 /** What blocks said when they were left and the text does not say, in a few words each. */
-export interface Lost {
+export interface LostChanges {
   readonly name: string;
   readonly changes: readonly string[];
   readonly why: string;

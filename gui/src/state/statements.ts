@@ -125,7 +125,7 @@ interface Known {
 }
 
 /** What to suggest; asked for when the rules name other topics than before, or a robot may have others by now. */
-export class Words {
+export class VocabularyCache {
   readonly vocabulary = signal<Vocabulary | null>(null);
   private known: Known | null = null;
   private timer: ReturnType<typeof setTimeout> | undefined;
