@@ -28,9 +28,6 @@ const TryPanel = later(async () => (await import("../panels/try_panel")).TryPane
 
 export type Tool = "findings" | "optimize" | "try" | "robot";
 
-/** The parts that can have the whole page. */
-type FullPart = "map" | "results";
-
 const BLOCKS = { least: 20, most: 80 };
 const DOCK = { least: 10, most: 85 };
 
@@ -45,7 +42,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
-  const full = useMemo(() => new FullScreen<FullPart>(), []);
+  const full = useMemo(() => new FullScreen(), []);
   useEffect(() => full.follow(), []);
   /** Whether the rates are to be downloaded as soon as they are computed. */
   const wantsRates = useSignal(false);
@@ -114,7 +111,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
             <NeedsServer changes>
               <ProfileChoice {...{ editor, project }} />
             </NeedsServer>
-            <FullScreenButton full={full} part="results" what="results" />
+            <FullScreenButton full={full} part="results" />
           </div>
           <div class="dock-body" role="tabpanel" aria-label={tool.value}>
             {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}

@@ -22,7 +22,7 @@ const CHOICES: Tab<Side>[] = [
 ];
 
 /** The right half: the rules as text, their zones on a map, or what was saved of them. */
-export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: FullScreen<"map" | "results"> }) {
+export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: FullScreen }) {
   const { editor, side, full } = props;
   const floor = useMemo(() => new MapFloor(editor), []);
   const zones = useMemo(() => new ZoneEditor(editor), []);
@@ -49,7 +49,7 @@ export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: 
     <div class="pane side">
       <div class="pane-bar">
         <Tabs label="Text, map or versions" choices={CHOICES} chosen={side} />
-        {isMap && <FullScreenButton full={full} part="map" what="map" />}
+        {isMap && <FullScreenButton full={full} part="map" />}
         {isMap ? (
           <FloorChoice {...{ floor, editor }} />
         ) : (

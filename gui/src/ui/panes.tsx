@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, signal } from "@preact/signals";
+import { signal } from "@preact/signals";
 import { useRef, useState } from "preact/hooks";
 import { browserStorage } from "../state/drafts";
 import { Button } from "./button";
 
+/** The parts that can have the whole page. */
+type Part = "map" | "results";
+
 /** Which part of the page has all of it, in a browser that fills the screen where it lets itself. */
-export class FullScreen<Part extends string> {
-  readonly part: Signal<Part | null> = signal(null);
+export class FullScreen {
+  readonly part = signal<Part | null>(null);
 
   /** Gives a part the whole page, or takes it back. */
   toggle(part: Part): void {
@@ -46,22 +49,15 @@ export class FullScreen<Part extends string> {
   }
 }
 
-interface FullScreenProps<Part extends string> {
-  full: FullScreen<Part>;
-  part: Part;
-  /** What the part is called, for those who do not see it. */
-  what: string;
-}
-
 /** Gives a part of the page all of it, and takes it back. */
-export function FullScreenButton<Part extends string>({ full, part, what }: FullScreenProps<Part>) {
+export function FullScreenButton({ full, part }: { full: FullScreen; part: Part }) {
   const isFull = full.part.value === part;
   const label = isFull ? "Leave full screen" : "Full screen";
   return (
     <Button
       label={label}
       class="small full-screen-button"
-      aria-label={`${label}: ${what}`}
+      aria-label={`${label}: ${part}`}
       onClick={() => full.toggle(part)}
     />
   );
