@@ -38,7 +38,7 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
       if (/\.bag$/.test(file.name)) throw new Refused(ros1Words(file.name));
       if (/\.(mcap|db3)$/.test(file.name)) {
         setDoing(`Copying ${file.name} into ${project.root_name} …`);
-        const added = await api.addRecording(file);
+        const added = await api.addRecording(file).finally(() => setDoing(""));
         await refresh();
         return setBag(added.bag);
       }
@@ -51,7 +51,6 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
       toRoute({ page: name.endsWith(".toml") ? "topics" : "rules", name });
     });
     if (why !== "") setRefused(why);
-    setDoing("");
   };
   useDroppedFile((file) => void take(file));
   const bringBack = async (file: FileAnswer) => {
