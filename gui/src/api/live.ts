@@ -5,12 +5,12 @@ import type { Push } from "./types";
 const FIRST_WAIT_MS = 500;
 const LONGEST_WAIT_MS = 8000;
 
-/** What the socket tells. */
+/** What the socket calls. */
 interface LiveOwner {
-  /** The server's greeting came: from now on it can be told something. */
-  heard(push: Push): void;
+  /** A message of the server came; the first is its greeting, after which it can be asked. */
+  onPush(push: Push): void;
   /** The server cannot be reached, or knows no token of this browser; it is tried again by itself. */
-  lost(needsToken: boolean): void;
+  onLost(needsToken: boolean): void;
 }
 
 /** The web socket to the server; it connects again by itself, ever more seldom up to every 8 s. */
@@ -27,13 +27,13 @@ export class LiveSocket {
     const socket = new WebSocket(new URL("ws", location.href.replace(/^http/, "ws")));
     this.socket = socket;
     socket.onmessage = ({ data }) => {
-      if (this.socket === socket) this.hear(JSON.parse(String(data)) as Push);
+      if (this.socket === socket) this.receive(JSON.parse(String(data)) as Push);
     };
     socket.onclose = () => {
       if (this.socket !== socket) return;
       this.socket = null;
-      this.owner.lost(this.needsToken);
-      void this.lookForToken();
+      this.owner.onLost(this.needsToken);
+      void this.checkToken();
       this.timer = window.setTimeout(() => this.open(), this.waitMs);
       this.waitMs = Math.min(2 * this.waitMs, LONGEST_WAIT_MS);
     };
@@ -53,17 +53,17 @@ export class LiveSocket {
   }
 
   /** A browser does not say why a web socket was refused, but does so of a file. */
-  private async lookForToken(): Promise<void> {
+  private async checkToken(): Promise<void> {
     const answer = await fetch("./icon.svg", { method: "HEAD", cache: "no-store" }).catch(() => null);
     const needsToken = answer?.status === 401;
     if (needsToken === this.needsToken || this.socket?.readyState === WebSocket.OPEN) return;
     this.needsToken = needsToken;
-    this.owner.lost(needsToken);
+    this.owner.onLost(needsToken);
   }
 
-  private hear(push: Push): void {
+  private receive(push: Push): void {
     this.waitMs = FIRST_WAIT_MS;
     this.needsToken = false;
-    this.owner.heard(push);
+    this.owner.onPush(push);
   }
 }

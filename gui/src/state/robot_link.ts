@@ -101,14 +101,14 @@ export class RobotLink {
     };
   }
 
-  heard(push: Push): void {
+  onPush(push: Push): void {
     if (push.kind === "hello") this.greet(push);
     else if (this.server.peek().kind !== "open") return;
     else if (push.kind === "robots") this.take(push);
     else if (push.kind === "live" && push.node === this.watched) this.show(push);
   }
 
-  lost(needsToken: boolean): void {
+  onLost(needsToken: boolean): void {
     batch(() => {
       this.server.value = { kind: "lost", needsToken };
       this.robots.value = null;
@@ -219,10 +219,10 @@ function connectionOf(server: ServerState, robots: Robots | null, node: string |
   const robot = robots.robots.find((each) => each.node === node);
   if (robots.problem !== null && !robot) return none(robots.problem);
   if (!robot) return none("No robot found. Start 'testudo run' on the robot, in the ROS domain of this server.");
-  return heardFrom(robot, robotsAgeS);
+  return connectionTo(robot, robotsAgeS);
 }
 
-function heardFrom(robot: RobotSummary, robotsAgeS: number): Connection {
+function connectionTo(robot: RobotSummary, robotsAgeS: number): Connection {
   const silentS = Math.floor(robot.heard_s_ago + robotsAgeS);
   if (robot.is_heard && robotsAgeS < TRUSTED_FOR_S) {
     const { health, label } = robot;

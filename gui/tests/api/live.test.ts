@@ -41,7 +41,7 @@ async function pauses(ms: number): Promise<number[]> {
 }
 
 test("a server that is away is asked after twice the time each, at most every 8 s, and soon again once it was heard", async () => {
-  const socket = new LiveSocket({ heard: () => {}, lost: () => {} });
+  const socket = new LiveSocket({ onPush: () => {}, onLost: () => {} });
   socket.open();
   expect(await pauses(35_000)).toEqual([500, 1000, 2000, 4000, 8000, 8000, 8000]);
   Connection.isAway = false;

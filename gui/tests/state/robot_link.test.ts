@@ -19,7 +19,7 @@ function watching(periodMs: number) {
   const hear = (actual_hz: number, afterMs = periodMs) => {
     vi.advanceTimersByTime(afterMs);
     const status = { status_hz: 1000 / periodMs, topics: { "/scan": { actual_hz } } };
-    link.heard({ kind: "live", node: "/ada", status } as unknown as Live);
+    link.onPush({ kind: "live", node: "/ada", status } as unknown as Live);
   };
   return { link, hear };
 }

@@ -20,11 +20,11 @@ export function linkOf(...robots: RobotSummary[]): RobotLink {
   vi.stubGlobal("localStorage", storage());
   vi.stubGlobal("WebSocket", { OPEN: 1 });
   const link = new RobotLink();
-  link.heard({ kind: "hello", version: "1", protocol: PROTOCOL_VERSION, only_watches: false });
+  link.onPush({ kind: "hello", version: "1", protocol: PROTOCOL_VERSION, only_watches: false });
   tell(link, ...robots);
   return link;
 }
 
 export function tell(link: RobotLink, ...robots: RobotSummary[]): void {
-  link.heard({ kind: "robots", problem: null, robots });
+  link.onPush({ kind: "robots", problem: null, robots });
 }
