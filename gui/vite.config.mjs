@@ -3,7 +3,6 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
 import { defineConfig } from "vite";
-import { documentation } from "./documentation/plugin.mjs";
 
 const BLOCKLY_MEDIA = new URL("./node_modules/blockly/media/", import.meta.url);
 
@@ -26,7 +25,7 @@ function blocklyMedia() {
 
 export default defineConfig({
   base: "./",
-  plugins: [blocklyMedia(), documentation()],
+  plugins: [blocklyMedia()],
   // The module of the same name has a function for each message.
   resolve: { alias: { "blockly/msg/en": fileURLToPath(new URL("./node_modules/blockly/msg/en.js", import.meta.url)) } },
   build: {
@@ -40,9 +39,11 @@ export default defineConfig({
       output: { codeSplitting: { groups: [{ name: "shared", test: /gui.src|preact/, minShareCount: 5 }] } },
     },
   },
-  // The documentation is read from beside this folder.
   server: {
-    fs: { allow: [".."] },
-    proxy: { "/api": "http://127.0.0.1:8750", "/ws": { target: "ws://127.0.0.1:8750", ws: true } },
+    proxy: {
+      "/api": "http://127.0.0.1:8750",
+      "/documentation": "http://127.0.0.1:8750",
+      "/ws": { target: "ws://127.0.0.1:8750", ws: true },
+    },
   },
 });

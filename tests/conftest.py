@@ -80,6 +80,12 @@ def need_built_page() -> None:
     require("built_page")
 
 
+@pytest.fixture(scope="session", name="built_documentation")
+def need_built_documentation() -> None:
+    """For tests of the documentation that the Ruler's page opens."""
+    require("built_documentation")
+
+
 @pytest.fixture(scope="session", name="ros")
 def need_ros() -> None:
     """For tests on a ROS graph."""

@@ -22,7 +22,7 @@ import pytest
 
 from axe import AXE
 from smarttestudo.robot.ros.rcl.relay_library import LIBRARY
-from smarttestudo.ruler.server.page import is_page_built
+from smarttestudo.ruler.server.page import DOCUMENTATION_FOLDER, is_page_built
 from thin_link.network_namespaces import NetworkError, require_links
 
 _TESTS = Path(__file__).parent
@@ -67,6 +67,11 @@ NEEDS: Mapping[str, Need] = {
         name="the Ruler's page, which Node builds",
         have_it="make gui",
         is_there=functools.cache(lambda: is_page_built() and AXE.exists()),
+    ),
+    "built_documentation": Need(
+        name="the documentation that the Ruler's page opens",
+        have_it="make documentation",
+        is_there=functools.cache((DOCUMENTATION_FOLDER / "index.html").is_file),
     ),
     "ros": Need(
         name="ROS 2 (rclpy)",

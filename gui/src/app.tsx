@@ -5,6 +5,7 @@ import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
 import type { Project } from "./api/types";
+import { openDocumentation } from "./documentation";
 import { KeptIncidents, KeptIncidentsBar } from "./incidents/kept_incidents";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
@@ -28,7 +29,6 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
     return (await page).EditorPage;
   }),
   topics: later(async () => (await import("./pages/topics")).TopicsPage),
-  help: later(async () => (await import("./pages/help")).HelpPage),
   tour: later(async () => (await import("./tour/tour_page")).TourPage),
   robots: later(async () => (await import("./pages/robots")).RobotsPage),
   incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
@@ -50,6 +50,11 @@ export function App({ api }: { api: Api }) {
   const keptIncidents = useMemo(() => new KeptIncidents(api), []);
   useWindowEvent("beforeunload", (event) => {
     if (editors?.wouldLose) event.preventDefault();
+  });
+  useWindowEvent("keydown", (event) => {
+    if (event.key !== "F1") return;
+    event.preventDefault();
+    openDocumentation();
   });
   const route = useRoute();
   const [missing, setMissing] = useState("");

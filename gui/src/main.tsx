@@ -4,7 +4,6 @@ import "./style/tokens.css";
 import "./style/controls.css";
 import "./style/pages.css";
 import "./style/bar.css";
-import "./style/documentation.css";
 import "./style/map.css";
 import "./style/robot.css";
 import "./style/try.css";

@@ -15,7 +15,6 @@ test.each([
   { page: "rules", name: "warehouse.adirf" },
   { page: "rules", name: "night shift/50 %/#1?.adirf" },
   { page: "topics", name: "prüfstand.toml" },
-  { page: "help", name: "blocks-clash" },
   { page: "robots", name: "" },
   { page: "robots", name: "/tb3_0/smarttestudo" },
   { page: "topics", name: "a.toml", rules: "night shift/a&b.adirf" },

@@ -3,11 +3,12 @@
 import { useId, useState } from "preact/hooks";
 import { type Api, Refused, refusalOf } from "../api/client";
 import type { FileAnswer, Project } from "../api/types";
+import { openDocumentation } from "../documentation";
 import { FileLists } from "../panels/file_lists";
 import { ownProfile } from "../panels/profile_choice";
 import { RecordingList, RecordingStart } from "../panels/project_start";
 import { RECIPES } from "../recipes/recipes";
-import { NEW_PROFILE, type Route, toRoute } from "../route";
+import { href, NEW_PROFILE, type Route, toRoute } from "../route";
 import { Button } from "../ui/button";
 import { NeedsServer, RobotState } from "../ui/connection";
 import { FormDialog, typedName } from "../ui/dialog";
@@ -119,8 +120,8 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
         />
         <Card
           title="Documentation"
-          text="Rules, findings, units and keys, on one page that needs no network."
-          act={() => toRoute({ page: "help", name: "" })}
+          text="The language, findings, units and keys, with a search. It needs no network."
+          act={() => openDocumentation()}
         />
       </nav>
       <NeedsServer changes>
@@ -135,7 +136,8 @@ export function HomePage({ api, project, refresh, editors, missing }: HomeProps)
         <RecordingList project={project} onStart={setBag} />
       </NeedsServer>
       <footer class="quiet">
-        {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"}
+        {project.root_name} · SmartTestudo {project.version} · {project.ros ? "ROS 2 found" : "works without ROS 2"} ·{" "}
+        <a href={href({ page: "tour", name: "" })}>Take the tour</a>
       </footer>
       {bag !== null && <RecordingStart {...{ api, project, refresh, bag }} onClose={() => setBag(null)} />}
       {creating !== null && (

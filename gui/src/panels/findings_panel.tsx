@@ -3,6 +3,7 @@
 import { useState } from "preact/hooks";
 import type { PlacedFinding, Severity } from "../api/types";
 import { statementTitle } from "../blocks/rule_words";
+import { DOCUMENTATION_TAB, findingHref } from "../documentation";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
@@ -119,12 +120,7 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
       {!hasWay && related.length === 0 && (
         <Button label="Show it" class="small" onClick={() => show(finding.offset, finding.end_offset)} />
       )}
-      <a
-        class="why"
-        target="ruler-documentation"
-        title={finding.code}
-        href={href({ page: "help", name: finding.code })}
-      >
+      <a class="why" target={DOCUMENTATION_TAB} title={finding.code} href={findingHref(finding.code)}>
         Why?
       </a>
     </li>

@@ -2,14 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type ComponentChildren, createContext } from "preact";
 import { useContext, useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { KEYS_PLACE, openDocumentation } from "../documentation";
 import { href } from "../route";
 import { Icon, type IconName } from "./button";
 import { RobotState } from "./connection";
-import { later } from "./later";
 import { Breakable } from "./notice";
-import { useWindowEvent } from "./watch";
-
-const DocumentationPanel = later(async () => (await import("../documentation/documentation_panel")).DocumentationPanel);
 
 interface Props {
   title: string;
@@ -23,17 +20,10 @@ interface Props {
 /** The bar on top of every page but the first: the way home, what is open, and what can be done with it. */
 export function Header({ title, note, menu, children }: Props) {
   const heading = useRef<HTMLHeadingElement>(null);
-  /** The place of the documentation that is shown beside the page, null for none. */
-  const [help, setHelp] = useState<string | null>(null);
   useEffect(() => {
     // What had the focus went with the page before.
     if (document.activeElement === document.body) heading.current?.focus();
   }, []);
-  useWindowEvent("keydown", (event) => {
-    if (event.key !== "F1") return;
-    event.preventDefault();
-    setHelp("");
-  });
   return (
     <header class="bar">
       <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home" title="Home">
@@ -54,11 +44,10 @@ export function Header({ title, note, menu, children }: Props) {
         {children}
         <MenuButton label="Menu" icon="menu">
           {menu}
-          <MenuItem label="Documentation" icon="book" keys="F1" act={() => setHelp("")} />
-          <MenuItem label="Keys" icon="keys" act={() => setHelp("keys")} />
+          <MenuItem label="Documentation" icon="book" keys="F1" act={() => openDocumentation()} />
+          <MenuItem label="Keys" icon="keys" act={() => openDocumentation(KEYS_PLACE)} />
         </MenuButton>
       </div>
-      {help !== null && <DocumentationPanel key={help} anchor={help} onClose={() => setHelp(null)} />}
     </header>
   );
 }

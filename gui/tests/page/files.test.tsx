@@ -37,7 +37,7 @@ test("all that was deleted can be brought back later", async () => {
   }
 });
 
-test.each([`topics/${RADIO}`, "robots/", "incidents/", "help/"])(
+test.each([`topics/${RADIO}`, "robots/", "incidents/"])(
   "a file that is dropped where nothing takes it leaves the page open: %s",
   async (address) => {
     const ruler = await openPage("empty", { files: FILES, hash: `#/${address}` });

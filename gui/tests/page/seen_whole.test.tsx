@@ -51,7 +51,7 @@ test("a name goes on in the next line between its words", async () => {
   expect(linesOfParts(await page.getByRole("heading", { level: 1 }).findElement())).toEqual([1, 1]);
 });
 
-test.each(["", "rules/warehouse.adirf", `topics/${RADIO}`, "incidents/", "help/"])(
+test.each(["", "rules/warehouse.adirf", `topics/${RADIO}`, "incidents/"])(
   "who wants larger text gets all of it larger and no page wider: %s",
   async (address) => {
     await resize(...TELEPHONE);

@@ -45,7 +45,6 @@ test.each(["Escape", "Skip the tour"])("it is skipped at any step and can be tak
   if (way === "Escape") await commands.press("Escape");
   else await ruler.button(way).click();
   await expect.element(card()).not.toBeInTheDocument();
-  await ruler.button("Documentation").click();
   await page.getByRole("link", { name: "Take the tour" }).click();
   await ruler.shown(title(TITLES[0]));
   await card().getByRole("button", { name: "Next" }).click();

@@ -51,20 +51,6 @@ def at_new_project(ruler: RulerPage) -> None:
     ruler.page.get_by_role("dialog").wait_for()
 
 
-def at_documentation(ruler: RulerPage) -> None:
-    ruler.button("Documentation").click()
-    ruler.page.get_by_role("heading", name="Rules in five minutes").wait_for()
-
-
-def at_documentation_beside(ruler: RulerPage) -> None:
-    """A search in the documentation, beside the rules."""
-    at_rules(ruler)
-    ruler.tool("Documentation").click()
-    search = ruler.page.get_by_role("combobox", name="Search the documentation")
-    search.fill("never holds")
-    ruler.page.get_by_role("listbox", name="Found in the documentation").wait_for()
-
-
 def at_menu(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.tool("Format").wait_for()
@@ -238,8 +224,6 @@ def at_robots(ruler: RulerPage) -> None:
 STATES: tuple[Callable[[RulerPage], None], ...] = (
     at_home,
     at_new_project,
-    at_documentation,
-    at_documentation_beside,
     at_menu,
     at_rules,
     at_long_rules,

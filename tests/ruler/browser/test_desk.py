@@ -44,19 +44,6 @@ def test_a_finding_marks_the_very_check_that_it_is_about(ruler: RulerPage, proje
     expect(ruler.blocks.get_by_text("speed is never below 0 m/s")).to_be_visible()
 
 
-def test_a_finding_leads_to_why_it_matters_offline(ruler: RulerPage, project: Path) -> None:
-    _open(ruler, project, "clash", CLASH)
-    with ruler.page.expect_popup() as opened:
-        ruler.page.get_by_role("link", name="Why?").first.click()
-    page = opened.value
-    heading = page.get_by_role("heading", name="condition-never-holds")
-    expect(heading).to_be_in_viewport()
-    page.get_by_role("navigation", name="Contents").get_by_role("link", name="Properties and units").click()
-    expect(page.get_by_role("heading", name="Properties and units")).to_be_in_viewport()
-    row = page.get_by_role("row").filter(has_text="signed turning rate").first
-    expect(row).to_contain_text("rad/s")
-
-
 @pytest.mark.journey
 def test_a_project_starts_from_a_recipe_and_its_rules_are_in_the_list_of_blocks(
     ruler: RulerPage, project: Path
