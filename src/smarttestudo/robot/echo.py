@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Hashable, Mapping, Sequence, Sized
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -84,6 +85,9 @@ def _shortened(text: str, characters: int | None) -> str:
 _WARM_UP_NS = NS_PER_S // 2
 # On a slow machine the queue comes later than that: all that is measured so far came within this.
 _AT_ONCE_NS = NS_PER_S // 20
+# Latched messages of before come one after the other, for so long, until such a pause.
+_HISTORY_NS = NS_PER_S
+_HISTORY_PAUSE_NS = 3 * NS_PER_S // 10
 # Messages wait here while others are counted and shown.
 _DEPTH = 100
 _MOST_SUGGESTIONS = 3
@@ -118,7 +122,7 @@ class EchoedTopic:
     """Receives one topic from when it is first published, with the QoS of its publishers.
 
     All messages are counted and metered as bytes; only those that are shown are decoded. The first ``keep``
-    wait for ``take_kept``.
+    wait for ``take_kept``; of latched ones from before, the newest.
     """
 
     def __init__(self, robot: Robot, topic: str, *, fields: Sequence[str], bounds: Bounds, keep: int) -> None:
@@ -128,7 +132,8 @@ class EchoedTopic:
         self._fields = fields
         self._bounds = bounds
         self._keep = keep
-        self._kept: list[_Received] = []
+        self._kept: deque[_Received] = deque()
+        self._left = keep
         self._source: LiveSource | None = None
         self._subscription: Subscription | None = None
         self._last: _Received | None = None
@@ -173,8 +178,18 @@ class EchoedTopic:
 
     def take_kept(self) -> list[Echo]:
         """The messages that were kept since the last call."""
-        kept, self._kept = self._kept, []
+        if self._is_history(self._robot.steady_ns()):
+            return []
+        kept, self._kept = self._kept, deque()
+        self._left -= len(kept)
         return [self._echo(received) for received in kept]
+
+    def _is_history(self, now_ns: int) -> bool:
+        """Whether what comes may be of before, with newer ones behind it."""
+        is_begun = self._left < self._keep
+        if is_begun or self._source is None or not self._source.qos.transient_local:
+            return False
+        return self._flow.span_ns < _HISTORY_NS and now_ns - self._flow.last_ns < _HISTORY_PAUSE_NS
 
     def _measure(self, now_ns: int) -> None:
         transient_local = self._source is not None and self._source.qos.transient_local
@@ -186,12 +201,16 @@ class EchoedTopic:
     def _subscribe(self, type_name: str, qos: Qos) -> Subscription:
         def receive(payload: Payload, _publisher: Hashable) -> None:
             now_ns = self._robot.steady_ns()
+            is_history = self._is_history(now_ns)
             self._flow.record(now_ns, len(payload))
             self._last = _Received(number=self.messages, type_name=type_name, payload=payload)
             if not self._is_metered and self._flow.span_ns >= _WARM_UP_NS:
                 self._is_metered = True
                 self._meter.measure(now_ns)
-            if self.messages <= self._keep:
+            if len(self._kept) < self._left:
+                self._kept.append(self._last)
+            elif self._left and is_history:
+                self._kept.popleft()
                 self._kept.append(self._last)
 
         deep = replace(qos, depth=max(_DEPTH, qos.depth))

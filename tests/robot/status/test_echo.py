@@ -114,7 +114,7 @@ def test_it_waits_for_a_publisher_and_then_for_a_message() -> None:
 
 
 def test_the_values_asked_for_are_those_of_the_last_message() -> None:
-    robot = VirtualRobot(sources={"/name": Source(type_name="std_msgs/msg/String")})
+    robot = VirtualRobot(sources={"/name": Source(type_name="std_msgs/msg/String", hz=1e-9)})
     topic = echoed(robot, "/name", "data", keep=2)
     topic.poll()
     for text in ("first", "second", "third"):
@@ -123,6 +123,32 @@ def test_the_values_asked_for_are_those_of_the_last_message() -> None:
     kept = [(echo.messages, echo.values) for echo in topic.take_kept()]
     assert kept == [(1, {"data": "first"}), (2, {"data": "second"})]
     assert topic.take_kept() == []
+
+
+def test_of_latched_messages_from_before_the_newest_are_kept() -> None:
+    source = Source(type_name="std_msgs/msg/String")
+    robot = VirtualRobot(sources={"/decisions": source})
+    topic = echoed(robot, "/decisions", "data", keep=2)
+    topic.poll()
+    for number in range(100):
+        robot.say("/decisions", f"{number}")
+        robot.wait(None, 0.001)
+        assert topic.take_kept() == []
+    robot.wait(None, 0.5)
+    assert [echo.values for echo in topic.take_kept()] == [{"data": "98"}, {"data": "99"}]
+    robot.say("/decisions", "new")
+    assert topic.take_kept() == []
+
+
+def test_latched_messages_that_go_on_and_on_are_shown() -> None:
+    source = Source(type_name="std_msgs/msg/String")
+    robot = VirtualRobot(sources={"/state": source})
+    topic = echoed(robot, "/state", "data", keep=1)
+    topic.poll()
+    for number in range(40):
+        robot.say("/state", f"{number}")
+        robot.wait(None, 0.05)
+    assert len(topic.take_kept()) == 1
 
 
 def test_fields_that_no_message_has_are_said() -> None:
