@@ -16,7 +16,7 @@ from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.main import main
 
 COMMANDS = (
-    *("demo", "check", "fmt", "run", "receive", "top", "echo", "push", "replay"),
+    *("demo", "check", "fmt", "run", "receive", "top", "why", "echo", "push", "replay"),
     *("incidents", "bag", "profile", "optimize", "ruler", "simulate", "completion"),
 )
 

@@ -56,6 +56,7 @@ BESIDE = {
         "testudo run --rules rules.adirf --link tcp/127.0.0.1:7447 --robot ada",
     ),
     "docs/how-to/watch-without-ros.md": (OPERATOR, ROBOT),
+    "docs/how-to/why-this-rate.md": ("testudo run --rules warehouse.adirf",),
 }
 """What goes on already where a page begins, by its own words."""
 

@@ -105,6 +105,7 @@ _PURPOSES = {
     "receive": "receive what robots send with 'testudo run --link'",
     "top": "show what running SmartTestudo nodes relay, and why",
     "echo": "subscribe to topics: their rates, bandwidth and last values",
+    "why": "say which rule gives a topic its rate, and which values would change it",
     "push": "let a running robot follow other rules, on trial and then for good",
     "replay": "write the recording that an operator would have received under your rules",
     "incidents": "list, show, fetch, export and delete what rules recorded",

@@ -14,9 +14,9 @@ from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.link_options import add_connect
 from smarttestudo.cli.output import write_line, write_lines, write_styled
-from smarttestudo.cli.robots import ChosenRobot, add_any_robot, open_chosen_robot
+from smarttestudo.cli.robots import STATUS_WITHIN_S, ChosenRobot, add_any_robot, open_chosen_robot
 from smarttestudo.domain.errors import RosError, RuleFileError
-from smarttestudo.domain.status import RulesOrigin, RuntimeStatus
+from smarttestudo.domain.status import RulesOrigin
 from smarttestudo.language.parser import parse
 from smarttestudo.robot import rule_push
 from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
@@ -25,8 +25,6 @@ from smarttestudo.rules.rule_files import read_rule_text
 from smarttestudo.rules.rule_sets import FaultyRulesError, has_tiers, load_rules
 
 EXIT_ERROR = 1
-_SEEN_WITHIN_S = 5.0
-"""How long a status is waited for that says what became of the rules; it comes once a second."""
 _LOOK = "see with testudo top which rules it follows"
 
 
@@ -72,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
         origin = robot.status().rules.origin
         if change.same and origin is RulesOrigin.WAITING:
             # Who comes late is told the last status, which may be of before they were kept.
-            origin = _next_status(robot).rules.origin
+            origin = robot.next_status().rules.origin
         if change.same and origin is not RulesOrigin.WAITING:
             write_line(f"{robot.robot_id} follows these rules already, hash {change.robot_hash}")
             if arguments.write and origin is RulesOrigin.PUSHED:
@@ -114,14 +112,6 @@ def _text_to_send(arguments: argparse.Namespace) -> str:
     return outcome.rewritten
 
 
-def _next_status(robot: ChosenRobot) -> RuntimeStatus:
-    """The status after the one that was heard last, or that one where no other comes."""
-    before, end_s = robot.status(), time.monotonic() + _SEEN_WITHIN_S
-    while robot.status().stamp_ns == before.stamp_ns and time.monotonic() < end_s and not robot.stopped():
-        robot.wait()
-    return robot.status()
-
-
 def _require_writable(robot: ChosenRobot) -> None:
     lasting = rule_push.lasting(robot, robot.robot_id)
     if not lasting.writable_file:
@@ -139,7 +129,7 @@ def _is_on_trial(robot: ChosenRobot, sha256: str) -> bool:
 
 def _await_trial(robot: ChosenRobot, sha256: str) -> None:
     """Wait for a status by which the robot follows the rules: so it is still heard under them."""
-    end_s = time.monotonic() + _SEEN_WITHIN_S
+    end_s = time.monotonic() + STATUS_WITHIN_S
     while not _is_on_trial(robot, sha256):
         if robot.stopped() or time.monotonic() > end_s:
             cause = "it took the rules, and no status under them was received; it takes them back by itself"
@@ -163,7 +153,7 @@ def _is_kept_by_hand(robot: ChosenRobot, sha256: str) -> bool:
 
 def _await_end_of_trial(robot: ChosenRobot, sha256: str) -> int:
     """Wait until the rules before are in force again, and say so."""
-    end_s = time.monotonic() + CONFIRM_WITHIN_S + _SEEN_WITHIN_S
+    end_s = time.monotonic() + CONFIRM_WITHIN_S + STATUS_WITHIN_S
     while _is_on_trial(robot, sha256):
         if robot.stopped() or time.monotonic() > end_s:
             raise RosError(

@@ -28,6 +28,8 @@ _HEARD_WITHIN_S = 10.0
 _SETTLED_S = 0.5
 """All are heard once no other was found for so long: discovery finds one after the other."""
 _NAMED = 8
+STATUS_WITHIN_S = 5.0
+"""How long a further status is waited for; one comes each second."""
 
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
@@ -94,6 +96,13 @@ class ChosenRobot:
         if heard is None or not heard.is_present:
             raise RosError("the robot has left", place=self.robot_id, remedy=self._robots.remedy)
         return heard.status
+
+    def next_status(self) -> RuntimeStatus:
+        """The status after the last one, which who comes late is told; that one where no other comes."""
+        before, end_s = self.status(), time.monotonic() + STATUS_WITHIN_S
+        while self.status().stamp_ns == before.stamp_ns and time.monotonic() < end_s and not self.stopped():
+            self.wait()
+        return self.status()
 
     def wait(self) -> None:
         """Receive what comes, for a moment."""

@@ -7,10 +7,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import islice
 
-from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.status import BlockStatus, CheckStatus, TimeStatus
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.language.rule_set import RuleBlock, WrittenCheck, WrittenTime
+from smarttestudo.language.rule_set import RuleBlock, RuleSet, WrittenCheck, WrittenTime
 from smarttestudo.language.syntax import TimeWord
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 
@@ -74,6 +74,35 @@ class BlockStates:
         elif value is not None:
             state = Truth.TRUE if check.region.contains(value) else Truth.FALSE
         return CheckStatus(line=check.line, column=check.column, state=state, value=value)
+
+
+_REMEMBERED = {Truth.TRUE: 1.0, Truth.FALSE: 0.0, Truth.UNKNOWN: None}
+
+
+def values_in(states: Iterable[BlockStatus], rule_set: RuleSet) -> dict[Signal, float | None]:
+    """The values that the conditions of ``rule_set`` read by what ``states`` say, what is derived included.
+
+    Signals of blocks that are not in ``states`` are missing.
+    """
+    by_place = {(one.file, one.line, one.column): one for one in states}
+    values: dict[Signal, float | None] = {}
+    for block in rule_set.written:
+        state = by_place.get((block.file, block.line, block.column))
+        if state is None:
+            continue
+        checks = {(one.line, one.column): one for one in state.checks}
+        times = {(one.line, one.column): one for one in state.times}
+        for check in block.checks:
+            read = checks.get((check.line, check.column))
+            if read is not None:
+                values[check.signal] = read.value
+                if check.latch is not None:
+                    values[Signal(*check.latch)] = _REMEMBERED[read.state]
+        for time in block.times:
+            lasted = times.get((time.line, time.column))
+            if lasted is not None:
+                values[Signal(*time.held)] = lasted.held_s
+    return values
 
 
 _PARTS_PER_BLOCK = 8

@@ -17,7 +17,7 @@ from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.units import NS_PER_S, counted
+from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet, fallback_rules
 from smarttestudo.loop.input_log import read_inputs
 from smarttestudo.loop.inputs import (
@@ -48,8 +48,16 @@ class InputsOutcome:
         return iter(())
 
 
-def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -> InputsOutcome:
+def replay_inputs(
+    folder: Path,
+    decided: Callable[[Sequence[Decision]], None],
+    *,
+    until_ns: int = LAST_STAMP_NS,
+    ended: Callable[[int, RelayLoop], None] | None = None,
+) -> InputsOutcome:
     """Give a new loop the inputs recorded in ``folder``, and ``decided`` its decisions, in order.
+
+    It ends at ``until_ns``, if that is before the last input, and ``ended`` is shown the time and the loop.
 
     Raises:
         RecordingError: there is no such recording, or a line of it is no input.
@@ -63,8 +71,13 @@ def replay_inputs(folder: Path, decided: Callable[[Sequence[Decision]], None]) -
     again = _Again(first)
     decided(again.take_decisions())
     for recorded in inputs:
+        if recorded.stamp_ns > until_ns:
+            again.now_ns = until_ns
+            break
         again.on_input(recorded)
         decided(again.take_decisions())
+    if ended is not None:
+        ended(again.now_ns, again.loop)
     return InputsOutcome(
         inputs=again.inputs,
         decisions=again.decisions,

@@ -139,7 +139,8 @@ class ReplayRequest:
     ``report`` the share of the recording that is done, 0 … 1. Where there is a ``writer``, it takes what
     is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
     time and the loop whenever that may have changed. ``incidents`` asks for what the rules record. Messages
-    of topics in ``left_out`` are not relayed: nothing must depend on them.
+    of topics in ``left_out`` are not relayed: nothing must depend on them. The replay ends at ``until_ns``,
+    if that is before the recording does, and ``ended`` is shown that time and the loop.
     """
 
     recording: RecordingReader
@@ -158,6 +159,8 @@ class ReplayRequest:
     stepped: Callable[[int, RelayLoop], None] | None = None
     incidents: IncidentRequest | None = None
     left_out: Collection[str] = ()
+    until_ns: int = LAST_STAMP_NS
+    ended: Callable[[int, RelayLoop], None] | None = None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -195,7 +198,10 @@ def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: Ro
     """Show every message to all runs; what several of them need decoded is decoded once."""
     decoded = frozenset[str]().union(*(run.decoded for run in runs))
     takes = [run.on_message for run in runs]
+    until_ns = max(run.until_ns for run in runs)
     for channel, stamp_ns, payload in recording.messages():
+        if stamp_ns > until_ns:
+            break
         message = _decoded(decoder, channel, payload) if channel.topic in decoded else None
         for take in takes:
             take(channel, stamp_ns, payload, message)
@@ -274,6 +280,7 @@ class _Run:
         self.decoded: frozenset[str] = frozenset()
         """The topics whose messages must come decoded, once the run began."""
         self._decisions = 0
+        self.until_ns = request.until_ns
         self._request = request
         self._loop = loop
         self._writer = writer
@@ -347,8 +354,10 @@ class _Run:
 
     def end(self) -> None:
         """The recording ended: let go what was held back, each at its time."""
-        end_ns = self._request.recording.end_ns
+        end_ns = min(self._request.recording.end_ns, self.until_ns)
         self._wake_before(end_ns + 1)
+        if self._request.ended is not None:
+            self._request.ended(end_ns, self._loop)
         self._write(self._loop.finish(end_ns))
         if self._cutter is not None:
             self._cutter.finish(end_ns)

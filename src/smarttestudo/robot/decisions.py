@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.errors import said
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import DECISIONS_TOPIC
@@ -58,5 +58,9 @@ def decision_line(decision: Decision) -> str:
     if decision.is_end:
         return f"{decision.topic}: no longer relayed ({planned.reason.value})"
     before = "" if decision.from_rate is None else f"{decision.from_rate} → "
-    why = planned.reason.value if planned.rule is None else f"{planned.reason.value}: {planned.rule}"
-    return f"{decision.topic}: {before}{planned.rate} ({why})"
+    return f"{decision.topic}: {before}{planned.rate} ({reason_words(planned)})"
+
+
+def reason_words(planned: PlannedRate) -> str:
+    """The reason of a rate with the rule's name, if one decided."""
+    return planned.reason.value if planned.rule is None else f"{planned.reason.value}: {planned.rule}"

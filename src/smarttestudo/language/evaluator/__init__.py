@@ -3,9 +3,24 @@
 """The one evaluator: values of signals to a requested rate for each topic, incrementally.
 
 ``literal`` has the parts of conditions, ``graph`` joins them and carries the change of a value to the blocks,
-``evaluator`` picks the block that decides a topic.
+``evaluator`` picks the block that decides a topic, ``explanation`` says which values would change its rate.
 """
 
 from smarttestudo.language.evaluator.evaluator import Evaluator, RequestedRate
+from smarttestudo.language.evaluator.explanation import (
+    ExplainedValue,
+    RateBorder,
+    RateExplanation,
+    explain,
+    explain_block,
+)
 
-__all__ = ["Evaluator", "RequestedRate"]
+__all__ = [
+    "Evaluator",
+    "ExplainedValue",
+    "RateBorder",
+    "RateExplanation",
+    "RequestedRate",
+    "explain",
+    "explain_block",
+]

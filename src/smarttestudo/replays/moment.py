@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What decided a topic's rate at one moment of a run or of a recording."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from smarttestudo.domain.decision import Decision, PlannedRate
+from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.profile import Profile
+from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.units import utc_time
+from smarttestudo.language.evaluator import ExplainedValue, explain, explain_block
+from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.block_states import values_in
+from smarttestudo.loop.decision_log import with_run_starts
+from smarttestudo.loop.inputs import WakeInput
+from smarttestudo.loop.relay_loop import RelayLoop
+from smarttestudo.pacing.cdr import string_text
+
+if TYPE_CHECKING:
+    from smarttestudo.domain.recording import RecordingReader
+
+AtNs = Callable[[int, int, int], int]
+"""The moment that is asked for: by the first stamp, that from which seconds count, and the last one."""
+
+_NAMED = 8
+_DECISIONS_REMEDY = "give a file of --decisions, a recording of /testudo/decisions, or the rules with --rules"
+_TEXT_TYPE = "std_msgs/msg/String"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RateReason:
+    """The rate of a topic at one moment, with its reason.
+
+    ``asked`` is what the rules ask for, where all that they read is known: a budget, a link or the time to
+    settle may give another rate. ``decision`` is the last one before, if it is known. Without ``asked``,
+    ``values`` are those of the decision, and their borders those where its rule no longer holds.
+    """
+
+    topic: str
+    planned: PlannedRate
+    asked: PlannedRate | None = None
+    decision: Decision | None = None
+    values: tuple[ExplainedValue, ...] = ()
+
+
+def reason_by_rules(
+    rule_set: RuleSet,
+    topic: str,
+    planned: PlannedRate,
+    values: Mapping[Signal, float | None],
+    decision: Decision | None = None,
+) -> RateReason:
+    """Why ``topic`` has the ``planned`` rate, by the rules in force and the values that they read."""
+    explained = explain(rule_set, topic, values)
+    return RateReason(
+        topic=topic, planned=planned, asked=explained.request, decision=decision, values=explained.values
+    )
+
+
+def reason_in_replay(
+    recording: RecordingReader,
+    topic: str,
+    at_ns: int,
+    *,
+    rule_set: RuleSet,
+    profile: Profile,
+    budget_kb_per_s: float | None,
+) -> RateReason:
+    """Why ``topic`` has its rate at ``at_ns`` of a replay of ``recording``. Raises ``RecordingError``."""
+    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  needs packages a robot lacks
+
+    require_relayed(topic, rule_set.relayed)
+    decisions: list[Decision] = []
+    reasons: list[RateReason] = []
+    replay(
+        ReplayRequest(
+            recording=recording,
+            rule_set=rule_set,
+            profile=profile,
+            output=None,
+            budget_kb_per_s=budget_kb_per_s,
+            decided=decisions.extend,
+            until_ns=at_ns,
+            ended=lambda end_ns, loop: reasons.append(_reason_of_loop(loop, topic, end_ns, decisions)),
+        )
+    )
+    return reasons[0]
+
+
+def reason_in_inputs(folder: Path, topic: str, at_ns: int) -> RateReason:
+    """Why ``topic`` had its rate at ``at_ns`` of the run that recorded its inputs in ``folder``."""
+    from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  as above
+
+    decisions: list[Decision] = []
+    reasons: list[RateReason] = []
+    replay_inputs(
+        folder,
+        decisions.extend,
+        until_ns=at_ns,
+        ended=lambda end_ns, loop: reasons.append(_reason_of_loop(loop, topic, end_ns, decisions)),
+    )
+    return reasons[0]
+
+
+def _reason_of_loop(loop: RelayLoop, topic: str, now_ns: int, decisions: list[Decision]) -> RateReason:
+    loop.handle(WakeInput(stamp_ns=now_ns))
+    knowledge = loop.knowledge
+    require_relayed(topic, knowledge.rule_set.relayed)
+    decisions.extend(loop.take_decisions())
+    return reason_by_rules(
+        knowledge.rule_set,
+        topic,
+        knowledge.plan[topic],
+        values_in(loop.block_states(now_ns), knowledge.rule_set),
+        next((one for one in reversed(decisions) if one.topic == topic), None),
+    )
+
+
+def reason_in_decisions(
+    decisions: Sequence[tuple[int, Decision]], topic: str, at: AtNs, rule_set: RuleSet | None, place: str
+) -> RateReason:
+    """Why ``topic`` had its rate by the last decision before; each comes with when it was known.
+
+    ``rule_set`` has the borders of its values. Raises ``RecordingError`` where nothing was decided by then.
+    """
+    if not decisions:
+        raise RecordingError("it has no decisions", place=place, remedy=_DECISIONS_REMEDY)
+    starts = [began_ns for began_ns, _ in with_run_starts(one for _, one in decisions)]
+    at_ns = at(decisions[0][0], decisions[starts.index(starts[-1])][0], decisions[-1][0])
+    require_relayed(topic, dict.fromkeys(one.topic for _, one in decisions))
+    runs = [began_ns for began_ns, (known_ns, _) in zip(starts, decisions, strict=True) if known_ns <= at_ns]
+    mine = [
+        one
+        for began_ns, (known_ns, one) in zip(starts, decisions, strict=True)
+        if one.topic == topic and known_ns <= at_ns and began_ns == runs[-1]
+    ]
+    if not mine:
+        cause = f"nothing was decided of {topic} by {utc_time(at_ns)}"
+        raise RecordingError(
+            cause, place=place, remedy=f"the first decision is of {utc_time(decisions[0][0])}"
+        )
+    decision = mine[-1]
+    planned = decision.planned
+    values = {Signal(*name.split(" ", 1)): value for name, value in decision.values.items()}
+    explained: tuple[ExplainedValue, ...] = ()
+    if rule_set is not None and planned.rule is not None and planned.line is not None:
+        explained = explain_block(rule_set, planned.rule, planned.line, values)
+    known = tuple(ExplainedValue(signal=one, value=value, borders=()) for one, value in values.items())
+    return RateReason(topic=topic, planned=planned, decision=decision, values=explained or known)
+
+
+def recorded_decisions(recording: RecordingReader) -> list[tuple[int, Decision]]:
+    """The decisions that a recording has on ``/testudo/decisions``, with the stamps of their messages."""
+    topics = {
+        one.topic
+        for one in recording.channels
+        if one.topic.endswith(DECISIONS_TOPIC) and one.type_name == _TEXT_TYPE
+    }
+    decisions: list[tuple[int, Decision]] = []
+    for _, stamp_ns, payload in recording.messages(topics) if topics else ():
+        with suppress(ValueError, RecursionError):
+            decisions.append((stamp_ns, Decision.from_json(json.loads(string_text(payload) or ""))))
+    return decisions
+
+
+def require_relayed(topic: str, relayed: Iterable[str]) -> None:
+    """Raise ``UsageError`` for a topic that is not among those that rules relay."""
+    names = [*relayed]
+    if topic not in names:
+        near = get_close_matches(topic, names, n=1)
+        remedy = f"did you mean {near[0]}?" if near else f"there are {', '.join(names[:_NAMED]) or 'none'}"
+        raise UsageError("no rule relays it", place=topic, remedy=remedy)
