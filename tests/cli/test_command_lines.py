@@ -14,6 +14,7 @@ import pytest
 from bags.bag_factory import small_mission, write_bag
 from smarttestudo.cli.commands import command_parser
 from smarttestudo.cli.main import main
+from smarttestudo.domain.errors import UsageError
 
 COMMANDS = (
     *("demo", "check", "fmt", "run", "receive", "top", "why", "echo", "push", "replay"),
@@ -50,6 +51,22 @@ def test_a_wrong_command_line_is_one_line_that_names_its_help(
 ) -> None:
     assert main(arguments) == 2
     assert capsys.readouterr() == ("", said)
+
+
+@pytest.mark.parametrize(
+    ("words", "record"),
+    [
+        (["/scan"], None),
+        (["/scan", "d.jsonl", "--at", "3"], "d.jsonl"),
+        (["/scan", "--at", "3", "d.jsonl"], "d.jsonl"),
+        (["--at", "3", "/scan", "--json", "d.jsonl"], "d.jsonl"),
+    ],
+)
+def test_what_may_be_left_out_may_stand_behind_options(words: list[str], record: str | None) -> None:
+    parsed = command_parser().parse_args(["why", *words])
+    assert (parsed.topic, parsed.record) == ("/scan", None if record is None else Path(record))
+    with pytest.raises(UsageError, match="unrecognized arguments: more"):
+        command_parser().parse_args(["why", "/scan", "d.jsonl", "--json", "more"])
 
 
 @pytest.mark.parametrize(

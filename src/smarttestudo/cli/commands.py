@@ -53,9 +53,20 @@ class CommandParser(argparse.ArgumentParser):
         self.fill()
         self._given = sys.argv[1:] if args is None else args
         known, unknown = super().parse_known_args(args, namespace)
+        for action in self._get_positional_actions():
+            # Before Python 3.13, one that may be left out is looked for in front of options only.
+            is_left_out = action.nargs == argparse.OPTIONAL and getattr(known, action.dest) == action.default
+            if is_left_out and unknown and not unknown[0].startswith("-"):
+                setattr(known, action.dest, self._late(action, unknown.pop(0)))
         if unknown:
             self.error(f"unrecognized arguments: {' '.join(unknown)}")
         return known, unknown
+
+    def _late(self, action: argparse.Action, text: str) -> object:
+        try:
+            return self._get_value(action, text)
+        except argparse.ArgumentError as error:
+            self.error(str(error))
 
     def error(self, message: str) -> NoReturn:
         """Raise ``UsageError`` with argparse's words, the argument as its place, and what was meant."""
