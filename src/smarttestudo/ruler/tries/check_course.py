@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from msgspec import Struct
 
@@ -34,7 +33,7 @@ from smarttestudo.ruler.rules.statements import (
     TimedCondition,
 )
 from smarttestudo.ruler.tries.try_rules import compiled_for
-from smarttestudo.ruler.tries.watches import BlockTurns, TruthWatch, WritesNothing
+from smarttestudo.ruler.tries.watches import BlockTurns, TruthWatch
 
 MAX_BINS = 1000
 MAX_TURNS = 2000
@@ -95,10 +94,9 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
             ReplayRequest(
                 recording=recording,
                 rule_set=rule_set,
-                output=Path(),
+                output=None,
                 profile=draft.profile() or Profile(),
                 report=report,
-                writer=WritesNothing(),
                 arrived=values.arrived,
                 stepped=stepped,
             )

@@ -33,7 +33,6 @@ from smarttestudo.ruler.files.recordings import READING
 from smarttestudo.ruler.job import Job, Report, job
 from smarttestudo.ruler.rules.document import require_usable
 from smarttestudo.ruler.tries.try_rules import TryRequest, compiled_for
-from smarttestudo.ruler.tries.watches import WritesNothing
 from smarttestudo.rules.rule_sets import sha256_of_rules
 
 MAX_KEEPS = 20
@@ -122,10 +121,9 @@ def _cut(order: KeepOrder, bag: Path, report: Report) -> Path:
             ReplayRequest(
                 recording=recording,
                 rule_set=compiled_for(order, recording),
-                output=Path(),
+                output=None,
                 profile=order.profile() or Profile(),
                 report=report,
-                writer=WritesNothing(),
                 incidents=IncidentRequest(into=opened, rules_sha256=sha256_of_rules(order.text)),
             )
         )

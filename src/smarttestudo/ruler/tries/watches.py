@@ -87,16 +87,6 @@ class CountingWriter:
         self._loss.relayed(channel, stamp_ns, payload)
 
 
-class WritesNothing:
-    """A ``RecordingWriter`` that writes nothing."""
-
-    def add(self, channel: Channel) -> None:
-        """Nothing."""
-
-    def write(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        """Nothing."""
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BlockTurns:
     """A rule, or its Else, by the line that it begins at, and what it turned to when; it starts unknown."""
