@@ -75,19 +75,44 @@ def rst_lines(changelog: str) -> Iterator[str]:
 
 def rst_entries(body: str) -> Iterator[str]:
     """A version's entries: its themes as a list, with theirs below."""
-    for line in filter(None, body.splitlines()):
+    # A line that is wrapped goes on with the one before.
+    whole = re.sub(r"(?<=\S)\n(?!\n|- |### ) *", " ", body)
+    for line in filter(None, map(str.strip, whole.splitlines())):
         if line.startswith("### "):
             yield from ("", f"* {rst_inline(line[4:])}", "")
         elif line.startswith("- "):
             yield f"  * {rst_inline(line[2:])}"
         else:
-            yield from ("", f"* {rst_inline(line)}")
+            yield from ("", f"* {rst_inline(line)}", "")
+
+
+_MARKUP = re.compile(
+    r"(?P<ticks>`+)(?P<code>.+?)(?<!`)(?P=ticks)(?!`)|\[(?P<label>[^]]+)\]\((?P<address>\S+?)\)"
+    r"|(?P<stars>\*\*?)(?=[^\s*])(?P<stressed>[^*]+)(?<=\S)(?P=stars)|(?P<sign>[\\`*|]|_(?!\w))"
+)
 
 
 def rst_inline(text: str) -> str:
-    """Code and links as reStructuredText writes them."""
-    linked = re.sub(r"\[([^]]+)\]\((\S+?)\)", r"`\1 <\2>`__", text)
-    return re.sub(r"(?<!`)`([^`<]+)`(?![`_])", r"``\1``", linked)
+    """Code, links and stresses as reStructuredText writes them, and its other signs as letters."""
+    return _MARKUP.sub(_rst_markup, text)
+
+
+def _rst_markup(found: re.Match[str]) -> str:
+    if found["sign"]:
+        return f"\\{found['sign']}"
+    if found["code"]:
+        written = f"``{found['code'].strip()}``"
+    elif found["label"]:
+        written = f"`{found['label'].replace('`', '')} <{found['address']}>`__"
+    else:
+        written = f"{found['stars']}{found['stressed']}{found['stars']}"
+    before, after = found.string[: found.start()][-1:], found.string[found.end() :][:1]
+    # A markup ends at a space or a sign; a backslash before a space is neither seen nor a letter.
+    return f"{_parted(before)}{written}{_parted(after)}"
+
+
+def _parted(neighbour: str) -> str:
+    return "\\ " if neighbour.isalnum() else ""
 
 
 def files(root: Path, address: str) -> dict[str, str]:

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import os
+import re
+import runpy
 import shutil
 import subprocess
 import sys
@@ -14,6 +16,8 @@ from pathlib import Path
 import pytest
 from catkin_pkg.changelog import get_changelog_from_path
 from catkin_pkg.package import parse_package
+from docutils import nodes
+from docutils.core import publish_doctree
 
 from installations.environments import ROOT
 from smarttestudo import __version__
@@ -87,6 +91,42 @@ def test_ros_reads_the_changelog_and_the_package() -> None:
     versions = [version for version, _, _ in changelog.foreach_version()]
     assert __version__ in versions
     assert parse_package(str(ROOT / "package.xml")).version == __version__
+
+
+def entries_of(rst: str) -> list[str]:
+    """The entries below themes as docutils reads them; any complaint of it is an error."""
+    document = publish_doctree(rst, settings_overrides={"halt_level": 1, "report_level": 1})
+    items = document.findall(nodes.list_item)
+    return [item.astext() for item in items if isinstance(item.parent.parent, nodes.list_item)]
+
+
+def test_docutils_reads_each_entry_of_the_changelog_as_one() -> None:
+    markdown = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    entries = entries_of((ROOT / "CHANGELOG.rst").read_text(encoding="utf-8"))
+    assert len(entries) == len(re.findall(r"^- ", markdown, flags=re.MULTILINE))
+
+
+@pytest.mark.parametrize(
+    ("written", "read"),
+    [
+        ("a line\n  that is wrapped\n  twice", "a line that is wrapped twice"),
+        ("wrapped at a sign\n- of a list is another entry", "wrapped at a sign"),
+        ("`--budget N`: *Save as* and **never**", "--budget N: Save as and never"),
+        ("two `Topic`s, x`y`", "two Topics, xy"),
+        ("``a `tick` in code``", "a `tick` in code"),
+        ("[a page](docs/a_b.md) and [`code`](x.md)s", "a page and codes"),
+        ("a_b, a_ and /tf_static_, 3 * 4 * 5", "a_b, a_ and /tf_static_, 3 * 4 * 5"),
+        ("C:\\path, a | b |c|, one ` tick", "C:\\path, a | b |c|, one ` tick"),
+        ("#hash, .. note:: and http://example.org/a_", "#hash, .. note:: and http://example.org/a_"),
+    ],
+)
+def test_an_entry_of_any_markdown_is_one_of_the_changelog_for_ros(written: str, read: str) -> None:
+    rst = runpy.run_path(str(ROOT / "scripts" / "release_files.py"))["rst"]
+    text = f"# Changelog\n\n## 1.2.3 - 2026-01-01\n\nWords above.\n\n### Added\n- {written}\n- last\n"
+
+    first, *_, last = entries_of(rst(text))
+
+    assert (first, last) == (read, "last")
 
 
 def test_a_tag_has_the_changes_of_its_version_and_a_maintainer_who_can_be_reached(checkout: Path) -> None:
