@@ -125,7 +125,7 @@ docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_map.py
 	$(BIN)/python scripts/release_files.py
 
-docs-site: $(VENV)/full.stamp
+docs-site: $(VENV)/site.stamp
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
 	@echo "build/site/index.html"
 
@@ -163,6 +163,11 @@ $(VENV)/bin/python:
 $(VENV)/studio.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo into $(VENV)"
 	@$(BIN)/pip install --quiet --editable '.[studio]'
+	@touch $@
+
+$(VENV)/site.stamp: pyproject.toml | $(VENV)/bin/python
+	@echo "Installing what makes the documentation's site into $(VENV)"
+	@$(BIN)/pip install --quiet --editable '.[site]'
 	@touch $@
 
 $(VENV)/dev.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python

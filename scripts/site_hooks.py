@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A hook of MkDocs: documents at the root are pages, too, and searches find users' pages first."""
+"""A hook of MkDocs: documents at the root are pages, too, and searches find users' pages."""
 
 from __future__ import annotations
 
@@ -22,8 +22,9 @@ PAGES: Mapping[str, str] = {
     "SECURITY.md": f"{FOLDER}/security.md",
 }
 """Pages of the site by the document at the root of the repository."""
-_BOOSTS = {"troubleshooting.md": 4, "how-to": 2, "concepts": 2, "decisions": 0.2, FOLDER: 0.2}
-"""What a hit in a file or folder counts, beside 1."""
+_BOOSTS = {"How-to": 2, "Concepts": 2, "Reference": 0.7, "Troubleshooting": 3, "The language": 3}
+"""What a hit in a part of the menu or a page counts, beside 1; what is named last here counts."""
+_CORNER = "Contributors' corner"
 _FOLDERS = {"docs/decisions": "decisions/0001-deadline-grid-with-capped-credit.md"}
 _SCRIPT = re.compile(r"<script>(.+?)</script>", re.DOTALL)
 _LINK = re.compile(r"\]\((?![a-z]+:|#)([^)#\s]+)(#[^)\s]*)?\)")
@@ -39,9 +40,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, **_: object) -> str:
-    """Have searches find users' pages first."""
-    folder = page.file.src_uri.partition("/")[0]
-    page.meta["search"] = {"boost": _BOOSTS.get(folder, 1)}
+    """Have searches find users' pages, by where they are in the menu."""
+    places = {str(page.title), *(str(one.title) for one in page.ancestors)}
+    boosts = [boost for place, boost in _BOOSTS.items() if place in places]
+    page.meta["search"] = {"exclude": True} if _CORNER in places else {"boost": (boosts or [1])[-1]}
     return markdown
 
 

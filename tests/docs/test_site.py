@@ -79,3 +79,10 @@ def test_a_broken_link_fails_the_build(tmp_path: Path) -> None:
     done = build(config, tmp_path / "site")
     assert done.returncode != 0
     assert "gone.md" in done.stderr
+
+
+def test_the_site_is_made_without_the_tools_of_developers(tmp_path: Path) -> None:
+    command = ["make", "--dry-run", "docs-site", f"VENV={tmp_path / 'venv'}"]
+    said = subprocess.run(command, cwd=ROOT, capture_output=True, encoding="utf-8", check=True).stdout
+
+    assert re.findall(r"\[([a-z,-]+)\]", said) == ["site"]
