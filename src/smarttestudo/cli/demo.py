@@ -76,9 +76,10 @@ def add_arguments(parser: CommandParser) -> None:
     parser.add_argument(
         "--thesis",
         action="store_true",
-        help="also write the tables and figures of the thesis's evaluation; it ran with --when-slow repeat",
+        help="also write the tables and figures of the thesis's evaluation; where --when-slow is not given, "
+        "it is repeat then, as in the thesis",
     )
-    parser.set_defaults(run=run)
+    parser.set_defaults(run=run, when_slow=None)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -89,6 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
     require_separate({"--out": arguments.out})
     if arguments.physics and not arguments.live:
         raise UsageError("a robot with physics drives in real time", place="--physics", remedy="add --live")
+    if arguments.when_slow is None:
+        arguments.when_slow = (WhenSlow.REPEAT if arguments.thesis else WhenSlow.PASS).value
     with ExitStack() as opened:
         if arguments.physics:
             load_physics()

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
+from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.report.table import Column, Table, change, decimals
 
 if TYPE_CHECKING:
@@ -122,16 +123,20 @@ _THESIS_RATE_NOTE = (
     "Frequency: mean count of the 1 s bins from the first to the last message, as in the thesis."
 )
 _THESIS_NOTE = "Thesis: the change that the thesis reports, where that is known here."
+_OTHERWISE = {WhenSlow.REPEAT: "Passed once", WhenSlow.PASS: "Repeated"}
+_WHEN_SLOW_NOTES = {
+    WhenSlow.REPEAT: (
+        "Where a target is above its source, the newest message is repeated, as in the thesis. "
+        "Passed once: the change where it is not (--when-slow pass)."
+    ),
+    WhenSlow.PASS: (
+        "No message is repeated. Repeated: the change where the newest is, wherever a target is above its "
+        "source, as in the thesis (--when-slow repeat)."
+    ),
+}
 _KBIT_NOTES = (
     "1 kbit is 1000 bits.",
     "The thesis counts by 1024 in places: its absolute numbers differ by that, its changes do not.",
-)
-_FREQUENCY_AS_IN_THESIS: tuple[Column[TopicComparison], ...] = (
-    _TOPIC,
-    Column(_DEFAULT, "Hz", lambda pair: _binned_hz(pair.before)),
-    Column(_ADAPTIVE, "Hz", lambda pair: _binned_hz(pair.after)),
-    _CHANGE,
-    Column("Thesis", "%", lambda pair: THESIS_CHANGE_PERCENT.get(pair.topic), change),
 )
 _BANDWIDTH_AS_IN_THESIS: tuple[Column[TopicComparison], ...] = (
     _TOPIC,
@@ -141,13 +146,31 @@ _BANDWIDTH_AS_IN_THESIS: tuple[Column[TopicComparison], ...] = (
 )
 
 
-def frequency_as_in_thesis(comparison: Comparison) -> Table[TopicComparison]:
-    """Table 7.1: the frequency of each topic that both runs have, and its change beside the thesis's."""
+def frequency_as_in_thesis(
+    comparison: Comparison, when_slow: WhenSlow, other_hz: Mapping[str, float]
+) -> Table[TopicComparison]:
+    """Table 7.1: the frequency of each topic that both runs have, and its change beside the thesis's.
+
+    ``when_slow`` is what the run did where a target is above its source; ``other_hz`` has the frequencies
+    where it does the other.
+    """
+
+    def otherwise(pair: TopicComparison) -> float | None:
+        before_hz, after_hz = _binned_hz(pair.before), other_hz.get(pair.topic)
+        return 100 * (after_hz / before_hz - 1) if before_hz and after_hz is not None else None
+
     return Table(
         title="Table 7.1: frequency of each topic",
-        columns=_FREQUENCY_AS_IN_THESIS,
+        columns=(
+            _TOPIC,
+            Column(_DEFAULT, "Hz", lambda pair: _binned_hz(pair.before)),
+            Column(_ADAPTIVE, "Hz", lambda pair: _binned_hz(pair.after)),
+            _CHANGE,
+            Column("Thesis", "%", lambda pair: THESIS_CHANGE_PERCENT.get(pair.topic), change),
+            Column(_OTHERWISE[when_slow], "%", otherwise, change),
+        ),
         rows=_in_both(comparison),
-        footnotes=(_THESIS_RATE_NOTE, _THESIS_NOTE),
+        footnotes=(_THESIS_RATE_NOTE, _THESIS_NOTE, _WHEN_SLOW_NOTES[when_slow]),
     )
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from made_demos import Ran, made_demo
-from simulation.demo.demo_runs import Messages, binned_hz, messages_of
+from simulation.demo.demo_runs import Messages, binned_hz, messages_of, run_testudo
 
 UNCHANGED_BY_BLOCKS = ("/camera/image_raw", "/imu", "/joint_states", "/camera/camera_info")
 TABLES = {
@@ -20,7 +20,7 @@ TABLES = {
 
 @pytest.fixture(scope="module")
 def thesis_demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ran]:
-    return made_demo(tmp_path_factory, "--thesis", "--when-slow", "repeat")
+    return made_demo(tmp_path_factory, "--thesis")
 
 
 @pytest.fixture(scope="module")
@@ -78,4 +78,25 @@ def test_repeating_makes_the_scan_come_more_often_than_its_source_as_in_the_thes
     row = _table(thesis_demo[0], "table-7.1-frequency")["/scan"]
 
     assert float(row["Change (%)"]) > 10
+    assert float(row["Thesis (%)"]) == 18
     assert {payload for _, payload in received["/scan"]} <= {payload for _, payload in baseline["/scan"]}
+
+
+def test_the_table_also_says_what_passes_where_nothing_is_repeated(
+    thesis_demo: tuple[Path, Ran], baseline: Messages, adaptive: Messages
+) -> None:
+    """``adaptive`` is of a demo without --thesis."""
+    for topic, row in _table(thesis_demo[0], "table-7.1-frequency").items():
+        change = 100 * (binned_hz(adaptive[topic]) / binned_hz(baseline[topic]) - 1)
+        assert float(row["Passed once (%)"]) == pytest.approx(change)
+    text = (thesis_demo[0] / "thesis" / "table-7.1-frequency.md").read_text(encoding="utf-8")
+    assert "Passed once: the change where it is not (--when-slow pass)." in text
+
+
+@pytest.mark.full
+def test_who_asks_for_passing_reads_in_the_table_what_repeating_gives(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    ran = run_testudo("demo", "--thesis", "--when-slow", "pass", "--seconds", 90, "--out", out)
+    assert (ran.code, ran.stderr) == (0, "")
+    row = _table(out, "table-7.1-frequency")["/scan"]
+    assert float(row["Change (%)"]) < float(row["Repeated (%)"])

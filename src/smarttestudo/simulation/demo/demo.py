@@ -77,7 +77,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         RecordingError: a recording cannot be written.
     """
     route = route_of(request.mission)
-    also_write = thesis.thesis_writer() if request.with_thesis else None
+    also_write = thesis.thesis_writer(request.when_slow) if request.with_thesis else None
     needed_bytes = round(bytes_per_second(full_images=request.full_images) * request.seconds)
     with demo_folder(request.out, needed_bytes=needed_bytes, made=_MADE, filled=_FILLED) as folder:
         rules = put_rules(folder, request.out)
@@ -91,7 +91,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
         compared = _compared(request, folder, rules, bounding)
         report = _write_report(request, folder, rules, decisions, compared)
         if also_write is not None:
-            also_write(report, folder / THESIS)
+            also_write(report, folder / THESIS, folder / BASELINE, rules.rule_set)
         (folder / MARKER).write_text(json.dumps(_settings(request), indent=2) + "\n", "utf-8")
     return DemoOutcome(
         report=report,
