@@ -125,8 +125,8 @@ docs: $(VENV)/dev.stamp
 	$(BIN)/python scripts/make_map.py
 	$(BIN)/python scripts/release_files.py
 
-docs-site: $(VENV)/site.stamp
-	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet
+docs-site: $(VENV)/bin/python
+	@PYTHON=$(abspath $(BIN)/python) sh scripts/make_documentation.sh build/site
 	@echo "build/site/index.html"
 
 test-kilted: $(VENV)/dev.stamp
@@ -163,11 +163,6 @@ $(VENV)/bin/python:
 $(VENV)/studio.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python
 	@echo "Installing SmartTestudo into $(VENV)"
 	@$(BIN)/pip install --quiet --editable '.[studio]'
-	@touch $@
-
-$(VENV)/site.stamp: pyproject.toml | $(VENV)/bin/python
-	@echo "Installing what makes the documentation's site into $(VENV)"
-	@$(BIN)/pip install --quiet --editable '.[site]'
 	@touch $@
 
 $(VENV)/dev.stamp: pyproject.toml setup.py $(RELAY) | $(VENV)/bin/python

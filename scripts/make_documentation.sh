@@ -1,9 +1,10 @@
 #!/bin/sh
-# Builds the documentation into the package, for the Ruler's page: with MkDocs from PYTHON's environment, or from one made for it.
+# Builds the documentation as a site into FOLDER, or without one into the package, for the Ruler's page: with MkDocs from PYTHON's
+# environment, or from one made for it.
 set -eu
 unset PYTHONPATH
 python=${PYTHON:-.venv/bin/python}
-folder=src/smarttestudo/ruler/server/documentation
+folder=${1:-src/smarttestudo/ruler/server/documentation}
 if ! "$python" -c 'import material, mkdocs' 2>/dev/null; then
     made=$(mktemp -d)
     trap 'rm -rf "$made"' EXIT
@@ -12,11 +13,11 @@ if ! "$python" -c 'import material, mkdocs' 2>/dev/null; then
     python=$made/bin/python
 fi
 NO_MKDOCS_2_WARNING=1 "$python" -m mkdocs build --quiet --site-dir "$folder.new"
-# Not needed here: other languages, the index for pages without a server, sources of scripts, pictures for developers.
-(
+# Not needed in the package: other languages, the index for pages without a server, sources of scripts, pictures for developers.
+if [ $# = 0 ]; then (
     cd "$folder.new"
     rm -rf assets/javascripts/lunr search/search_index.js sitemap.xml sitemap.xml.gz 404.html images/sheets
     find . -name '*.map' -delete
-)
+) fi
 rm -rf "$folder"
 mv "$folder.new" "$folder"
