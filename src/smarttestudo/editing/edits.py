@@ -26,8 +26,8 @@ from smarttestudo.editing.text_edit import (
 )
 from smarttestudo.language.formatter import INDENT, first_line_end, format_statement
 from smarttestudo.language.parser import parse
-from smarttestudo.language.parser.blocks import quoted
 from smarttestudo.language.parser.lexer import TokenKind
+from smarttestudo.language.parser.values import quoted
 from smarttestudo.language.syntax import Block, Statement
 
 _END_IF = "EndIf"

@@ -21,8 +21,8 @@ from smarttestudo.language.formatter import (
     format_statement,
     rate_text,
 )
-from smarttestudo.language.parser.blocks import quoted
 from smarttestudo.language.parser.lexer import TokenKind
+from smarttestudo.language.parser.values import quoted
 from smarttestudo.language.syntax import (
     Action,
     And,

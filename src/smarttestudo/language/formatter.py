@@ -8,8 +8,8 @@ from collections.abc import Iterable, Iterator
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import parse
-from smarttestudo.language.parser.blocks import quoted
 from smarttestudo.language.parser.lexer import TokenKind
+from smarttestudo.language.parser.values import quoted
 from smarttestudo.language.syntax import (
     Action,
     And,

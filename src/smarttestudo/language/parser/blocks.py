@@ -5,14 +5,19 @@
 from __future__ import annotations
 
 import re
-import unicodedata
 from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Fix
 from smarttestudo.language.parser.conditions import parse_condition, parse_property
 from smarttestudo.language.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
 from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
-from smarttestudo.language.parser.values import parse_bound, parse_duration, parse_rate, parse_topic
+from smarttestudo.language.parser.values import (
+    parse_bound,
+    parse_duration,
+    parse_name,
+    parse_rate,
+    parse_topic,
+)
 from smarttestudo.language.syntax import (
     NO_TRIVIA,
     Action,
@@ -34,10 +39,8 @@ from smarttestudo.language.syntax import (
 )
 
 _INTEGER = re.compile(r"[+-]?[0-9]{1,9}")
-_ESCAPE = re.compile(r"\\(.)")
 _EXPECTED_NAME = "the rule's name in quotes"
 _IF_EMPTY = "leave out 'Rule' for a block without a name"
-_QUOTES = {"“": "”", "'": "'"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,84 +66,6 @@ def parse_rule_line(cursor: Cursor) -> RuleLine:
             raise
         return RuleLine(is_written=True)
     return RuleLine(name=name, priority=priority, is_written=True)
-
-
-def quoted(name: str) -> str:
-    r"""``name`` as a rule file writes it; only ``"`` and ``\`` have a ``\`` before them."""
-    return '"{}"'.format(re.sub(r'(["\\])', r"\\\1", name))
-
-
-def parse_name(cursor: Cursor, expected: str, *, example: str, if_empty: str = "") -> str:
-    """The text in quotes; ``expected`` and ``example`` say what it is where it is not there."""
-    token = cursor.token
-    if token.kind is TokenKind.STRING:
-        return _plain_name(cursor, token, if_empty)
-    if token.kind is TokenKind.WORD and not token.text.startswith("/"):
-        return _bare_name(cursor, expected)
-    if token.kind is TokenKind.FOREIGN and token.text[0] == '"':
-        cursor.report("unclosed-name", "the name has no closing '\"' on its line")
-        raise BrokenStatementError
-    if (
-        token.kind is TokenKind.FOREIGN
-        and len(token.text) > 1
-        and token.text[-1] == _QUOTES.get(token.text[0])
-    ):
-        _report_quotes(cursor, token, expected)
-        cursor.advance()
-        return token.text[1:-1]
-    raise cursor.failure("expected-name", expected, hint=f"for instance {example}")
-
-
-def _plain_name(cursor: Cursor, token: Token, if_empty: str) -> str:
-    text = token.text[1:-1]
-    wrong = next((found for found in _ESCAPE.finditer(text) if found[1] not in '"\\'), None)
-    if wrong is not None:
-        fix = Fix(span=token.span, replacement=quoted(text), title="double every backslash")
-        cursor.report(
-            "invalid-name",
-            f"a name cannot hold '{wrong[0]}'",
-            hint='only \\" and \\\\ have a meaning',
-            fix=fix,
-        )
-    name = _ESCAPE.sub(r"\1", text)
-    if not name.strip():
-        cursor.report("invalid-name", "the name is empty", hint=if_empty)
-    elif not all(_can_be_shown(character) for character in name):
-        cursor.report("invalid-name", "the name holds a tab or a character that cannot be seen")
-    cursor.advance()
-    return name
-
-
-def _can_be_shown(character: str) -> bool:
-    return character.isprintable() or unicodedata.category(character) == "Zs"
-
-
-def _bare_name(cursor: Cursor, expected: str) -> str:
-    first = cursor.token
-    words = [cursor.advance().text]
-    while (
-        cursor.kind is TokenKind.WORD
-        and not cursor.token.starts_line
-        and not cursor.token.text.startswith("/")
-    ):
-        words.append(cursor.advance().text)
-    name = " ".join(words)
-    span = cursor.span_from(first)
-    fix = Fix(span=span, replacement=quoted(name), title="put quotes around it")
-    cursor.report(
-        "expected-name",
-        f"expected {expected}, found '{name}'",
-        span=span,
-        hint=f"did you mean {quoted(name)}?",
-        fix=fix,
-    )
-    return name
-
-
-def _report_quotes(cursor: Cursor, token: Token, expected: str) -> None:
-    name = token.text[1:-1]
-    fix = Fix(span=token.span, replacement=quoted(name), title="write straight quotes")
-    cursor.report_found("expected-name", expected, hint=f"did you mean {quoted(name)}?", fix=fix)
 
 
 def _priority(cursor: Cursor) -> int:

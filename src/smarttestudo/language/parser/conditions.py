@@ -6,16 +6,15 @@ from __future__ import annotations
 
 from typing import NoReturn
 
-from smarttestudo.domain.finding import Fix
-from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor, closest, did_you_mean
+from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
-from smarttestudo.language.parser.values import parse_number, parse_time_parts, parse_topic, timed
+from smarttestudo.language.parser.values import parse_comparison, parse_time_parts, parse_topic, timed
 from smarttestudo.language.properties.field_path import is_property
-from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Trivia, Until
+from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Trivia, Until
 
 MAX_NESTING = 100
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
-_CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD, _OPERATOR = (
+_CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD = (
     TokenKind.CHECK_VALUE,
     TokenKind.OPEN,
     TokenKind.CLOSE,
@@ -23,16 +22,12 @@ _CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD, _OPERATOR = (
     TokenKind.AND,
     TokenKind.OR,
     TokenKind.WORD,
-    TokenKind.OPERATOR,
 )
 _CONDITION_WORDS = frozenset({_CHECK_VALUE, _NOT})
-_OPERATORS = {operator.value: operator for operator in Operator}
 _EXPECTED = "a condition ('CheckValue', 'Not' or '(')"
 _EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
-_EXPECTED_NUMBER = "a number to compare with"
 _EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
 _UNTIL_WORD = frozenset({TokenKind.UNTIL})
-_EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
 
 
 def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
@@ -122,8 +117,7 @@ def _check(cursor: Cursor) -> Condition:
     cursor.timed_depth = 0
     topic = parse_topic(cursor, split_property=True)
     name = parse_property(cursor, topic.text)
-    operator = _operator(cursor)
-    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    operator, value, text = parse_comparison(cursor)
     cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
     until = _until(cursor) if cursor.kind is TokenKind.UNTIL else None
     span = cursor.span_from(first)
@@ -144,8 +138,7 @@ def _check(cursor: Cursor) -> Condition:
 
 def _until(cursor: Cursor) -> Until:
     first = cursor.advance()
-    operator = _operator(cursor)
-    value, text = parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+    operator, value, text = parse_comparison(cursor)
     return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
 
 
@@ -166,17 +159,3 @@ def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
         raise cursor.failure("expected-property", expected)
     hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
     raise cursor.failure("invalid-property", expected, hint=hint)
-
-
-def _operator(cursor: Cursor) -> Operator:
-    token = cursor.token
-    if token.kind is _OPERATOR:
-        cursor.advance()
-        return _OPERATORS[token.text]
-    right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None
-    if right is None:
-        raise cursor.failure("expected-operator", _EXPECTED_OPERATOR)
-    fix = Fix(span=token.span, replacement=right, title=f"write {right}")
-    cursor.report_found("expected-operator", _EXPECTED_OPERATOR, hint=did_you_mean(right), fix=fix)
-    cursor.advance()
-    return _OPERATORS[right]

@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics, numbers, rates and durations."""
+"""Topics, names, numbers, comparisons, rates and durations."""
 
 from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Sequence
 from decimal import Decimal
 from types import MappingProxyType
@@ -21,6 +22,7 @@ from smarttestudo.language.syntax import (
     Condition,
     Duration,
     DurationUnit,
+    Operator,
     RateExpression,
     RateWord,
     Timed,
@@ -30,7 +32,7 @@ from smarttestudo.language.syntax import (
 
 UNIT = "Hz"
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
-_WORD, _NUMBER = TokenKind.WORD, TokenKind.NUMBER
+_WORD, _NUMBER, _OPERATOR = TokenKind.WORD, TokenKind.NUMBER, TokenKind.OPERATOR
 _RATE_UNITS = frozenset({"hz", "khz", "mhz", "hertz"})
 _TIERS = {tier.value: tier for tier in Tier}
 _RATE_NAMES: dict[str, Tier | RateWord] = {**_TIERS, **{word.value: word for word in RateWord}}
@@ -77,6 +79,88 @@ def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> NoRe
     raise cursor.failure("invalid-topic", "a valid topic name", hint=hint, fix=fix)
 
 
+_ESCAPE = re.compile(r"\\(.)")
+_QUOTES = {"“": "”", "'": "'"}
+
+
+def quoted(name: str) -> str:
+    r"""``name`` as a rule file writes it; only ``"`` and ``\`` have a ``\`` before them."""
+    return '"{}"'.format(re.sub(r'(["\\])', r"\\\1", name))
+
+
+def parse_name(cursor: Cursor, expected: str, *, example: str, if_empty: str = "") -> str:
+    """The text in quotes; ``expected`` and ``example`` say what it is where it is not there."""
+    token = cursor.token
+    if token.kind is TokenKind.STRING:
+        return _plain_name(cursor, token, if_empty)
+    if token.kind is TokenKind.WORD and not token.text.startswith("/"):
+        return _bare_name(cursor, expected)
+    if token.kind is TokenKind.FOREIGN and token.text[0] == '"':
+        cursor.report("unclosed-name", "the name has no closing '\"' on its line")
+        raise BrokenStatementError
+    if (
+        token.kind is TokenKind.FOREIGN
+        and len(token.text) > 1
+        and token.text[-1] == _QUOTES.get(token.text[0])
+    ):
+        _report_quotes(cursor, token, expected)
+        cursor.advance()
+        return token.text[1:-1]
+    raise cursor.failure("expected-name", expected, hint=f"for instance {example}")
+
+
+def _plain_name(cursor: Cursor, token: Token, if_empty: str) -> str:
+    text = token.text[1:-1]
+    wrong = next((found for found in _ESCAPE.finditer(text) if found[1] not in '"\\'), None)
+    if wrong is not None:
+        fix = Fix(span=token.span, replacement=quoted(text), title="double every backslash")
+        cursor.report(
+            "invalid-name",
+            f"a name cannot hold '{wrong[0]}'",
+            hint='only \\" and \\\\ have a meaning',
+            fix=fix,
+        )
+    name = _ESCAPE.sub(r"\1", text)
+    if not name.strip():
+        cursor.report("invalid-name", "the name is empty", hint=if_empty)
+    elif not all(_can_be_shown(character) for character in name):
+        cursor.report("invalid-name", "the name holds a tab or a character that cannot be seen")
+    cursor.advance()
+    return name
+
+
+def _can_be_shown(character: str) -> bool:
+    return character.isprintable() or unicodedata.category(character) == "Zs"
+
+
+def _bare_name(cursor: Cursor, expected: str) -> str:
+    first = cursor.token
+    words = [cursor.advance().text]
+    while (
+        cursor.kind is TokenKind.WORD
+        and not cursor.token.starts_line
+        and not cursor.token.text.startswith("/")
+    ):
+        words.append(cursor.advance().text)
+    name = " ".join(words)
+    span = cursor.span_from(first)
+    fix = Fix(span=span, replacement=quoted(name), title="put quotes around it")
+    cursor.report(
+        "expected-name",
+        f"expected {expected}, found '{name}'",
+        span=span,
+        hint=f"did you mean {quoted(name)}?",
+        fix=fix,
+    )
+    return name
+
+
+def _report_quotes(cursor: Cursor, token: Token, expected: str) -> None:
+    name = token.text[1:-1]
+    fix = Fix(span=token.span, replacement=quoted(name), title="write straight quotes")
+    cursor.report_found("expected-name", expected, hint=f"did you mean {quoted(name)}?", fix=fix)
+
+
 def parse_number(cursor: Cursor, code: str, expected: str) -> tuple[float, str]:
     """A finite number and its spelling."""
     token = cursor.token
@@ -97,6 +181,31 @@ def _refuse_number(cursor: Cursor, token: Token, code: str, expected: str) -> No
     number = _LEADING_NUMBER.match(token.text)
     hint = "numbers are written as 10, -2.5 or 1e3, without a unit" if number else ""
     raise cursor.failure(code, expected, hint=hint)
+
+
+_OPERATORS = {operator.value: operator for operator in Operator}
+_EXPECTED_NUMBER = "a number to compare with"
+_EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
+
+
+def parse_comparison(cursor: Cursor) -> tuple[Operator, float, str]:
+    """The operator, the number behind it, and its spelling."""
+    operator = _operator(cursor)
+    return operator, *parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+
+
+def _operator(cursor: Cursor) -> Operator:
+    token = cursor.token
+    if token.kind is _OPERATOR:
+        cursor.advance()
+        return _OPERATORS[token.text]
+    right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None
+    if right is None:
+        raise cursor.failure("expected-operator", _EXPECTED_OPERATOR)
+    fix = Fix(span=token.span, replacement=right, title=f"write {right}")
+    cursor.report_found("expected-operator", _EXPECTED_OPERATOR, hint=did_you_mean(right), fix=fix)
+    cursor.advance()
+    return _OPERATORS[right]
 
 
 def parse_rate(cursor: Cursor) -> RateExpression:
