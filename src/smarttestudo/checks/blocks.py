@@ -14,6 +14,7 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.boxes import Border
+from smarttestudo.language.formatter import number_text
 from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.resolved_rules import ResolvedRate
 
@@ -133,7 +134,7 @@ def _border(shared: SharedBorder, settle_s: float) -> Found:
     topic = shared.topics[0]
     here = shared.second.settings[topic]
     path = shared.second.block.path
-    border = f"{shared.border.signal} = {wording.number(shared.border.value)}"
+    border = f"{shared.border.signal} = {number_text(shared.border.value)}"
     return Found(
         path=path,
         span=here.span,

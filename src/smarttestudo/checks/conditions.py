@@ -16,8 +16,8 @@ from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.language.formatter import LineWriter, check_text, time_text, write_condition
-from smarttestudo.language.normal_form import Every, InRegion
+from smarttestudo.language.formatter import LineWriter, check_text, number_text, time_text, write_condition
+from smarttestudo.language.normal_form import Every, InRegion, signal_of
 from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
@@ -84,7 +84,7 @@ def share_as_percent(rules: RuleModel) -> Iterator[Found]:
         greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
         if is_share and not is_percent and one.check.value > 1 and greatest <= 1:
             is_seen = observed is not None and observed.greatest is not None
-            seen = f", and at most {wording.number(greatest)} in the recording" if is_seen else ""
+            seen = f", and at most {number_text(greatest)} in the recording" if is_seen else ""
             yield Found(
                 path=one.path,
                 span=one.check.property_span,
@@ -130,10 +130,10 @@ def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Foun
 
 def _range_text(spec: PropertySpec) -> str:
     if spec.minimum is not None and spec.maximum is not None:
-        low, high = wording.number(spec.minimum), wording.number(spec.maximum)
+        low, high = number_text(spec.minimum), number_text(spec.maximum)
         return f"{spec.name} lies between {low} and {high} {spec.unit}"
     if spec.minimum is not None:
-        return f"{spec.name} is never below {wording.number(spec.minimum)} {spec.unit}"
+        return f"{spec.name} is never below {number_text(spec.minimum)} {spec.unit}"
     return f"{spec.name} is in {spec.unit}"
 
 
@@ -305,12 +305,12 @@ def _fastest_source(timed: Timed, rules: RuleModel) -> tuple[str, float] | None:
     """The topic that changes the condition most often, and its Hz; ``None`` where that is not known."""
     found: tuple[str, float] | None = None
     for check in checks_in(timed):
-        topic = rules.context.resolve(check.topic.text)
-        source_hz = rules.context.topic(topic).source_hz
-        if not source_hz or ArrivalProperty.named(check.property) is not None:
+        signal = signal_of(check, rules.context.resolve)
+        source_hz = rules.context.topic(signal.topic).source_hz
+        if not source_hz or ArrivalProperty.named(signal.property) is not None:
             return None
         if found is None or source_hz > found[1]:
-            found = topic, source_hz
+            found = signal.topic, source_hz
     return found
 
 
@@ -330,7 +330,7 @@ def until_overlaps(rules: RuleModel) -> Iterator[Found]:
                 path=one.path,
                 span=one.check.span,
                 message=f"{check_text(one.check)} begins and ends at one value, for instance "
-                f"{wording.number(both.sample())}: there it does not hold",
+                f"{number_text(both.sample())}: there it does not hold",
                 hint="let Until name a value on the other side, as in < 20 Until > 25",
             )
 

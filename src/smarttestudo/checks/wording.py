@@ -10,17 +10,13 @@ from typing import NamedTuple
 
 from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.formatter import number_text
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName
 
 _LISTED = 5
 _SIGNALS_SHOWN = 8
-
-
-def number(value: float) -> str:
-    """``value`` in the fewest digits that mean exactly it."""
-    return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
 
 
 def state(values: Mapping[Signal, float]) -> str:
@@ -37,14 +33,14 @@ def state(values: Mapping[Signal, float]) -> str:
         if not is_derived(signal):
             name = signal.property if signal.topic == topic else str(signal)
             topic = signal.topic
-            parts.append(f"{name} = {number(value)}")
+            parts.append(f"{name} = {number_text(value)}")
     return ", ".join([*parts, *past])
 
 
 def _past(signal: Signal, value: float) -> str:
     """The value of a past: ``/odom speed < 1 for 5 s``."""
     if signal.property == HELD:
-        return f"{signal.topic} for {number(value)} s"
+        return f"{signal.topic} for {number_text(value)} s"
     return f"{signal.topic} {'holds' if value else 'has ended'}"
 
 

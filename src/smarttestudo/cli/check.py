@@ -27,10 +27,8 @@ from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
-from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.resolved_rules import resolve_rules
-from smarttestudo.language.syntax import checks_in
 from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
@@ -121,8 +119,7 @@ def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseRes
     from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415  as above
 
     blocks = resolve_rules([result.file for result in results], resolve_topic).blocks
-    checks = (check for block in blocks for check in checks_in(block.block.condition))
-    signals = {Signal(resolve_topic(check.topic.text), check.property) for check in checks}
+    signals = {check.signal for block in blocks for check in block.checks}
     with open_recording(bag) as recording:
         observed = observed_values(recording, signals, context.profile)
         # Damage of what no rule reads is met only where it is read, too.

@@ -119,8 +119,7 @@ def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False
     """
     match condition:
         case Check():
-            signal = Signal(resolve(condition.topic.text), condition.property)
-            within = _check_form(condition, signal)
+            within = _check_form(condition, signal_of(condition, resolve))
             return InRegion(within.signal, within.region.complement()) if negated else within
         case Group():
             return normal_form(condition.operand, resolve, negated=negated)
@@ -141,6 +140,11 @@ def held_time(condition: Timed, resolve: Resolve) -> HeldTime:
     """For how long what a ``For`` is about has held; of a ``Within``, for how long it has not."""
     negated = condition.word is TimeWord.WITHIN
     return HeldTime(normal_form(condition.operand, resolve, negated=negated))
+
+
+def signal_of(check: Check, resolve: Resolve) -> Signal:
+    """The signal that ``check`` reads."""
+    return Signal(resolve(check.topic.text), check.property)
 
 
 def compared_region(comparison: Check | Until) -> Region:

@@ -18,6 +18,7 @@ from smarttestudo.language.normal_form import (
     latch_of,
     negation,
     normal_form,
+    signal_of,
 )
 from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import (
@@ -228,7 +229,7 @@ class _Reader:
                 self._add_branch(block, statement.otherwise, is_else=True)
 
     def _check(self, path: str, check: Check) -> ResolvedCheck:
-        signal = Signal(self._full_name(check.topic.text), check.property)
+        signal = signal_of(check, self._full_name)
         region = compared_region(check)
         latch = latch_of(signal, region, check.until)
         return ResolvedCheck(path=path, signal=signal, check=check, region=region, latch=latch)
