@@ -8,9 +8,15 @@ from typing import NoReturn
 
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
-from smarttestudo.language.parser.values import parse_comparison, parse_time_parts, parse_topic, timed
+from smarttestudo.language.parser.values import (
+    parse_comparison,
+    parse_time_parts,
+    parse_topic,
+    parse_until,
+    timed,
+)
 from smarttestudo.language.properties.field_path import is_property
-from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Trivia, Until
+from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Trivia
 
 MAX_NESTING = 100
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
@@ -26,8 +32,6 @@ _CHECK_VALUE, _OPEN, _CLOSE, _NOT, _AND, _OR, _WORD = (
 _CONDITION_WORDS = frozenset({_CHECK_VALUE, _NOT})
 _EXPECTED = "a condition ('CheckValue', 'Not' or '(')"
 _EXPECTED_IN_GROUP = "'AND', 'OR' or ')'"
-_EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
-_UNTIL_WORD = frozenset({TokenKind.UNTIL})
 
 
 def parse_condition(cursor: Cursor, depth: int = 0) -> Condition:
@@ -118,8 +122,7 @@ def _check(cursor: Cursor) -> Condition:
     topic = parse_topic(cursor, split_property=True)
     name = parse_property(cursor, topic.text)
     operator, value, text = parse_comparison(cursor)
-    cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
-    until = _until(cursor) if cursor.kind is TokenKind.UNTIL else None
+    until = parse_until(cursor)
     span = cursor.span_from(first)
     parts = parse_time_parts(cursor)
     check = Check(
@@ -134,12 +137,6 @@ def _check(cursor: Cursor) -> Condition:
         trivia=cursor.take_trivia(first),
     )
     return timed(check, parts)
-
-
-def _until(cursor: Cursor) -> Until:
-    first = cursor.advance()
-    operator, value, text = parse_comparison(cursor)
-    return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
 
 
 def parse_property(cursor: Cursor, topic: str) -> Token:

@@ -28,6 +28,7 @@ from smarttestudo.language.syntax import (
     Timed,
     TimeWord,
     TopicName,
+    Until,
 )
 
 UNIT = "Hz"
@@ -185,6 +186,8 @@ def _refuse_number(cursor: Cursor, token: Token, code: str, expected: str) -> No
 
 _OPERATORS = {operator.value: operator for operator in Operator}
 _EXPECTED_NUMBER = "a number to compare with"
+_EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
+_UNTIL_WORD = frozenset({TokenKind.UNTIL})
 _EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
 
 
@@ -192,6 +195,16 @@ def parse_comparison(cursor: Cursor) -> tuple[Operator, float, str]:
     """The operator, the number behind it, and its spelling."""
     operator = _operator(cursor)
     return operator, *parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
+
+
+def parse_until(cursor: Cursor) -> Until | None:
+    """``Until op NUMBER`` behind a check, if it is there."""
+    cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
+    first = cursor.accept(TokenKind.UNTIL)
+    if first is None:
+        return None
+    operator, value, text = parse_comparison(cursor)
+    return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
 
 
 def _operator(cursor: Cursor) -> Operator:
