@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
+from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.fleet.numbers import Received, RecordingNumbers, RuleNumbers, TopicNumbers
 from smarttestudo.report.fleet.page import FleetReport, OwnReport
@@ -31,8 +32,7 @@ def recording(
         a=f"fleet/{place}",
         b=f"received/{place}" if is_pair else None,
         robot=f"ada-{robot:02}",
-        start_ns=(MONDAY_S + day * DAY_S + shift * 600 + robot) * NS_PER_S,
-        duration_s=3600.0,
+        span=span_from(MONDAY_S + day * DAY_S + shift * 600 + robot),
         topics=tuple(_topic(name, size * 1000, kept, is_pair=is_pair) for name, size in names),
         rules=tuple(
             RuleNumbers(
@@ -48,6 +48,11 @@ def recording(
         ),
         position=PositionError(topic="/odom", received_m=1 - kept, fixed_m=None) if is_pair else None,
     )
+
+
+def span_from(start_s: int) -> RecordingSpan:
+    """An hour."""
+    return RecordingSpan(start_ns=start_s * NS_PER_S, end_ns=(start_s + 3600) * NS_PER_S)
 
 
 def _topic(name: str, size_bytes: int, kept: float, *, is_pair: bool) -> TopicNumbers:

@@ -19,10 +19,9 @@ from hypothesis import strategies as st
 from playwright.sync_api import Browser, Page, expect
 
 from axe import WIDTHS_PX, violations
-from report.fleet_totals_factory import DAY_S, MONDAY_S, fleet_report, recording, recordings
+from report.fleet_totals_factory import DAY_S, MONDAY_S, fleet_report, recording, recordings, span_from
 from report.golden_files import assert_reads_as, page_lines
 from report.test_report_in_browser import assert_readable
-from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.fleet.numbers import RecordingNumbers
 from smarttestudo.report.fleet.page import render_fleet_report
 from smarttestudo.report.fleet.totals import MOST_COLUMNS, MOST_ROWS, FleetTotals, Step, Trend
@@ -132,7 +131,7 @@ def test_memory_does_not_grow_with_the_number_of_recordings() -> None:
         kept = []
         for number, one in enumerate(recordings(600)):
             # The same ten days again and again.
-            totals.add(replace(one, start_ns=(MONDAY_S + number % 10 * DAY_S) * NS_PER_S))
+            totals.add(replace(one, span=span_from(MONDAY_S + number % 10 * DAY_S)))
             if number in (199, 599):
                 gc.collect()
                 # Threads that other tests left in this process hold memory of their own.

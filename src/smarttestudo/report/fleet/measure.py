@@ -92,9 +92,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
         a=str(question.a),
         b=None if question.b is None else str(question.b),
         robot=question.robot,
-        start_ns=a.summary.span.start_ns,
-        is_empty=a.summary.span.is_empty,
-        duration_s=a.summary.span.duration_s,
+        span=a.summary.span,
         topics=tuple(
             TopicNumbers(
                 topic=name,

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from datetime import datetime, timezone
 from typing import Annotated
 
-from smarttestudo.domain.record import JsonEntry, derived, to_columns
-from smarttestudo.domain.units import NS_PER_S, utc_time
+from smarttestudo.bags.statistics import RecordingSpan
+from smarttestudo.domain.record import JsonEntry, to_columns
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.report.summary import PositionError
 
 
@@ -79,19 +80,18 @@ class BoundNumbers:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordingNumbers:
-    """The numbers of A, and of what B has of it; ``robot`` is "" where the names of folders do not tell.
+    """The numbers of A, whose time is ``span``, and of what B has of it.
 
-    ``position`` is how far off the operator's picture of the robot's place was. ``rules`` are known where
-    rules decided over A, ``bounds`` where there is a B, too. ``unmatched`` are patterns of topics that name
-    none here. ``notices`` say what was lost or odd, a line each. An empty A has no time.
+    ``robot`` is "" where the names of folders do not tell. ``position`` is how far off the operator's picture
+    of the robot's place was. ``rules`` are known where rules decided over A, ``bounds`` where there is a B,
+    too. ``unmatched`` are patterns of topics that name none here. ``notices`` say what was lost or odd, a
+    line each.
     """
 
     a: str
     b: str | None
     robot: str
-    start_ns: Annotated[int, JsonEntry(is_absent=True)]
-    is_empty: Annotated[bool, JsonEntry(is_absent=True)] = False
-    duration_s: float
+    span: Annotated[RecordingSpan, JsonEntry(is_merged=True)]
     topics: Annotated[tuple[TopicNumbers, ...], JsonEntry(keyed_by="topic")]
     rules: tuple[RuleNumbers, ...] = ()
     bounds: tuple[BoundNumbers, ...] = ()
@@ -99,22 +99,10 @@ class RecordingNumbers:
     unmatched: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
     notices: tuple[str, ...] = ()
 
-    @property
-    @derived()
-    def start(self) -> str | None:
-        """Date and time of the first message of A."""
-        return None if self.is_empty else utc_time(self.start_ns)
-
-    @property
-    @derived("start_ns")
-    def known_start_ns(self) -> int | None:
-        """Stamp of the first message of A, if there is one."""
-        return None if self.is_empty else self.start_ns
-
     def rows(self) -> Iterator[dict[str, object]]:
         """One row for each topic, for ``--csv``."""
-        began_at = datetime.fromtimestamp(self.start_ns // NS_PER_S, tz=timezone.utc)
-        recorded_at = None if self.is_empty else began_at
+        began_at = datetime.fromtimestamp(self.span.start_ns // NS_PER_S, tz=timezone.utc)
+        recorded_at = None if self.span.is_empty else began_at
         for one in self.topics:
             got = one.received
             row = ReportRow(
@@ -122,7 +110,7 @@ class RecordingNumbers:
                 b=self.b,
                 robot=self.robot,
                 recorded_at=recorded_at,
-                duration_s=self.duration_s,
+                duration_s=self.span.duration_s,
                 topic=one.topic,
                 messages=one.messages,
                 size_bytes=one.size_bytes,
@@ -202,7 +190,7 @@ class Sums(Volume):
     def add(self, recording: RecordingNumbers, topics: Iterable[TopicNumbers]) -> None:
         """Add ``topics`` of a ``recording``."""
         self.recordings += 1
-        self.duration_s += recording.duration_s
+        self.duration_s += recording.span.duration_s
         for one in topics:
             self._count(one, None if one.received is None else one.received.size_bytes)
             if one.received is not None:

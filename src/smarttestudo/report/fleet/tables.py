@@ -51,11 +51,11 @@ def recording_table(totals: FleetTotals) -> Table[tuple[RecordingNumbers, Sums]]
             Column("Recording", "", lambda row: row[0].a, is_text=True),
             *_loss_columns(totals),
             *_volume_columns(totals, [sums for _, sums in shown]),
-            Column("Duration", "s", lambda row: row[0].duration_s, decimals(1), heads_group=True),
+            Column("Duration", "s", lambda row: row[0].span.duration_s, decimals(1), heads_group=True),
             Column(
                 "Recorded",
                 "UTC",
-                lambda row: "" if row[0].is_empty else utc_time(row[0].start_ns)[:16],
+                lambda row: "" if row[0].span.is_empty else utc_time(row[0].span.start_ns)[:16],
                 is_text=True,
             ),
         ),

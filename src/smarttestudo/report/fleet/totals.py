@@ -52,7 +52,7 @@ class TrendColumn:
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add a recording."""
-        self.steps.add(recording.start_ns // _DAY_NS)
+        self.steps.add(recording.span.start_ns // _DAY_NS)
         self.total.add(recording, recording.topics)
         self.robots[recording.robot].add(recording, recording.topics)
         for topic in recording.topics:
@@ -80,20 +80,20 @@ class Trend:
 
     def add(self, recording: RecordingNumbers) -> None:
         """Add a recording."""
-        day = recording.start_ns // _DAY_NS
+        day = recording.span.start_ns // _DAY_NS
         if self._day is None:
             self._day = day
         if day != self._day:
             self._hours = self._recordings = None
         self._add_day(day, recording)
         if self._hours is not None:
-            hour = recording.start_ns // _HOUR_NS
-            text = _time(recording.start_ns // _HOUR_NS * _HOUR_NS, "%H:%M")
+            hour = recording.span.start_ns // _HOUR_NS
+            text = _time(recording.span.start_ns // _HOUR_NS * _HOUR_NS, "%H:%M")
             self._hours.setdefault(hour, TrendColumn(first=text, last=text)).add(recording)
         if self._recordings is not None:
-            column = TrendColumn(first=_time(recording.start_ns, "%H:%M"), last=recording.a)
+            column = TrendColumn(first=_time(recording.span.start_ns, "%H:%M"), last=recording.a)
             column.add(recording)
-            self._recordings.append((recording.start_ns, column))
+            self._recordings.append((recording.span.start_ns, column))
             if len(self._recordings) > MOST_COLUMNS:
                 self._recordings = None
 
@@ -207,7 +207,7 @@ class FleetTotals:
             self.rules[rule.rule].add(rule)
         for bound in recording.bounds:
             self.bounds[bound.picture, bound.bound, bound.unit].add(bound)
-        if not recording.is_empty:
+        if not recording.span.is_empty:
             self.trend.add(recording)
         keep = heapq.heappush if len(self._worst) < MOST_ROWS else heapq.heappushpop
         keep(self._worst, (self.rank(of_recording(recording)), -self.all.recordings, recording))
