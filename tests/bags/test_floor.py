@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.robot_path import PathPoint, PosePlaces, TransformPlaces, places_in, rule_zones
 from smarttestudo.domain.floor_plan import FloorPlan, FloorZone, OccupancyMap, Rectangle
 from smarttestudo.domain.names import resolve_topic
@@ -138,17 +139,8 @@ def test_a_turned_map_is_framed_whole() -> None:
     assert low_y_m < 2 < 6 < high_y_m  # noqa: PLR0133
 
 
-class Decoded:
+class Decoded(RosbagDecoder):
     """A decoder of messages that are decoded already."""
-
-    def why_undecodable(self, channel: Channel) -> str | None:
-        return None
-
-    def is_standard(self, channel: Channel) -> bool:
-        return True
-
-    def unread(self, channel: Channel) -> list[str]:
-        return []
 
     def decode(self, channel: Channel, payload: Any) -> object:
         return payload

@@ -360,7 +360,10 @@ def digest_of(definition: str | None, type_name: str) -> str:
 
 
 class RosbagDecoder:
-    """Decodes CDR, little or big endian. Types are compiled on first use."""
+    """Turns CDR, little or big endian, into objects with the fields of their type as attributes.
+
+    Types are compiled on first use.
+    """
 
     def __init__(self) -> None:
         self._library = TypeLibrary()
@@ -372,6 +375,7 @@ class RosbagDecoder:
         return self._library.why_undecodable(channel)
 
     def is_standard(self, channel: Channel) -> bool:
+        """Whether messages have the bytes of the type of that name in ROS 2, as far as anybody knows."""
         return self._library.is_standard(channel)
 
     def unread(self, channel: Channel) -> Sequence[str]:

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any, Protocol, cast
 
+from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorZone, Rectangle
-from smarttestudo.domain.recording import Channel, MessageDecoder, first_of_topics
+from smarttestudo.domain.recording import Channel, first_of_topics
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some, merged, over_states
 from smarttestudo.language.properties import part_reader, value_reader
@@ -114,7 +115,7 @@ class PosePlaces:
 
     __slots__ = ("_channel", "_decoder", "_due_ns", "_read_x", "_read_y", "_start_ns", "frame", "path")
 
-    def __init__(self, channel: Channel, decoder: MessageDecoder, start_ns: int) -> None:
+    def __init__(self, channel: Channel, decoder: RosbagDecoder, start_ns: int) -> None:
         self.path: list[PathPoint] = []
         self.frame = ""
         self._channel = channel
@@ -183,7 +184,7 @@ class TransformPlaces:
 
     __slots__ = ("_channels", "_decoder", "_due_ns", "_links", "_start_ns", "frame", "path")
 
-    def __init__(self, channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int) -> None:
+    def __init__(self, channels: Sequence[Channel], decoder: RosbagDecoder, start_ns: int) -> None:
         self.path: list[PathPoint] = []
         self.frame = ""
         self._channels = channels
@@ -233,7 +234,7 @@ class TransformPlaces:
         return x_m, y_m
 
 
-def _decoded(decoder: MessageDecoder, channel: Channel, payload: bytes) -> object:
+def _decoded(decoder: RosbagDecoder, channel: Channel, payload: bytes) -> object:
     """The message. Raises ``RecordingError`` with a cause that all messages of one kind share."""
     try:
         return decoder.decode(channel, payload)
@@ -255,7 +256,7 @@ def notice_of_unknown(places: Counter[str]) -> Iterator[str]:
 
 
 def places_in(
-    channels: Sequence[Channel], decoder: MessageDecoder, start_ns: int, *, by_transforms: bool
+    channels: Sequence[Channel], decoder: RosbagDecoder, start_ns: int, *, by_transforms: bool
 ) -> PathReader | None:
     """Reader of the robot's places in a recording with ``channels``; ``None`` if nothing says them.
 

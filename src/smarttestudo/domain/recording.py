@@ -153,23 +153,3 @@ class RecordingWriter(Protocol):
         Raises:
             RecordingError: the file cannot take it, for instance because the disk is full.
         """
-
-
-class MessageDecoder(Protocol):
-    """Turns serialized messages into objects with the fields of their type as attributes."""
-
-    def why_undecodable(self, channel: Channel) -> str | None:
-        """Why no message of the channel can be decoded; ``None`` where they can."""
-
-    def is_standard(self, channel: Channel) -> bool:
-        """Whether messages have the bytes of the type of that name in ROS 2, as far as anybody knows."""
-
-    def unread(self, channel: Channel) -> Collection[str]:
-        """The paths, without indices, of fields that stay unknown, as ROS 2 lacks them in Python."""
-
-    def decode(self, channel: Channel, payload: bytes) -> object:
-        """The message in ``payload``.
-
-        Raises:
-            RecordingError: it cannot be decoded, or the bytes are not a message of its type.
-        """

@@ -257,11 +257,6 @@ class HeldMessages(Iterable[HeldMessage]):
         self._end = end
         self._blocks = blocks
 
-    @property
-    def first_number(self) -> int | None:
-        """The number of the first of them."""
-        return self._numbers[0] if self._numbers else None
-
     def holds(self, number: int) -> bool:
         """Whether the message of the topic with that number is one of them; they are the last that came."""
         return bool(self._numbers) and self._numbers[0] <= number

@@ -6,17 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
-from typing import Protocol
 
 from smarttestudo.pacing.grid import Pace
 from smarttestudo.pacing.sample import Pacer, Pass, Sample
 
-
-class Holder(Protocol):
-    """Holder of samples, which knows those that are held back."""
-
-    def holds(self, sample: Sample) -> bool:
-        """Whether ``sample`` did not pass, but still may."""
+IsHeld = Callable[[Sample], bool]
+"""Whether a sample did not pass, but still may."""
 
 
 class FollowerNotifier:
@@ -36,35 +31,35 @@ class FollowerNotifier:
         self.followers.append(follower)
         follower.leader_is_full = pace.is_full
 
-    def offered(self, sample: Sample, passes: Sequence[Pass], holder: Holder, now_ns: int) -> None:
+    def on_offer(self, sample: Sample, passes: Sequence[Pass], is_held: IsHeld, now_ns: int) -> None:
         """The leader was offered ``sample`` and relays ``passes``."""
-        self.woken(passes, holder, now_ns)
+        self.on_wake(passes, is_held, now_ns)
         if passes:
             return
-        if holder.holds(sample):
+        if is_held(sample):
             self._held.append(sample)
-            self._tell(Follower.held, sample)
+            self._notify(Follower.held, sample)
         else:
-            self._tell(Follower.decided_against, sample)
+            self._notify(Follower.decided_against, sample)
 
-    def woken(self, passes: Sequence[Pass], holder: Holder, now_ns: int) -> None:
+    def on_wake(self, passes: Sequence[Pass], is_held: IsHeld, now_ns: int) -> None:
         """The leader relays ``passes``, and may have let go of others."""
         relayed = [sample for sample, _ in passes]
         undecided = [sample for sample in self._held if sample not in relayed]
-        self._held = [sample for sample in undecided if holder.holds(sample)]
+        self._held = [sample for sample in undecided if is_held(sample)]
         for sample in undecided:
             if sample not in self._held:
-                self._tell(Follower.decided_against, sample)
+                self._notify(Follower.decided_against, sample)
         for sample, repeated in passes:
-            self._tell(partial(Follower.passed, now_ns=now_ns, repeated=repeated), sample)
+            self._notify(partial(Follower.passed, now_ns=now_ns, repeated=repeated), sample)
 
-    def pace_changed(self, pace: Pace, holder: Holder, now_ns: int) -> None:
+    def on_pace(self, pace: Pace, is_held: IsHeld, now_ns: int) -> None:
         """The leader's pace changed, and it may have let go of what it held."""
         for follower in self.followers:
             follower.leader_is_full = pace.is_full
-        self.woken((), holder, now_ns)
+        self.on_wake((), is_held, now_ns)
 
-    def _tell(self, decision: Callable[[Follower, bytes], None], sample: Sample) -> None:
+    def _notify(self, decision: Callable[[Follower, bytes], None], sample: Sample) -> None:
         if sample.stamp is not None:
             for follower in self.followers:
                 decision(follower, sample.stamp)

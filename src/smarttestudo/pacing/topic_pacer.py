@@ -132,7 +132,7 @@ class TopicPacer(Pacer):
         self._see(now_ns)
         passes = self._streams.offer(sample, now_ns)
         if self._notifier.followers:
-            self._notifier.offered(sample, passes, self._streams, now_ns)
+            self._notifier.on_offer(sample, passes, self._streams.holds, now_ns)
         return passes
 
     def wake(self, now_ns: int, /) -> Sequence[Pass]:
@@ -140,7 +140,7 @@ class TopicPacer(Pacer):
         self._see(now_ns)
         passes = self._streams.wake(now_ns)
         if passes and self._notifier.followers:
-            self._notifier.woken(passes, self._streams, now_ns)
+            self._notifier.on_wake(passes, self._streams.holds, now_ns)
         return passes
 
     def wake_until(self, end_ns: int, /) -> Iterator[tuple[int, Sequence[Pass]]]:
@@ -156,7 +156,7 @@ class TopicPacer(Pacer):
         self._see(now_ns)
         self._pace = pace
         self._streams.change_pace(pace, now_ns)
-        self._notifier.pace_changed(pace, self._streams, now_ns)
+        self._notifier.on_pace(pace, self._streams.holds, now_ns)
 
     def set_accuracy(self, accuracy: Accuracy | None, now_ns: int, /) -> Sequence[Pass]:
         """Keep an estimate within bounds from now on, or none; with another estimate, begin anew.

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.errors import RecordingError, RuleFileError
+from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.observation import SourceChanged, Undecodable
 from smarttestudo.domain.profile import Profile
@@ -156,7 +156,5 @@ def _rules(given: RuleTextsInput) -> tuple[RuleSet, Profile]:
     if given.profile_text is not None:
         profile = parse_profile(given.profile_text, Path("profile")).resolved(resolve)
     loaded = check_texts(given.rule_texts, profile=profile, resolve=resolve)
-    if loaded.errors:
-        first = loaded.errors[0]
-        raise RuleFileError(first.message, place=str(first.span))
+    loaded.refuse_errors()
     return loaded.rule_set, profile

@@ -23,7 +23,6 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import (
     TWO_TYPES,
     Channel,
-    MessageDecoder,
     RecordingReader,
     RecordingWriter,
     Storage,
@@ -45,7 +44,7 @@ from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
 _INDEX = re.compile(r"\[[^\]]*\]")
 
 
-def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder) -> None:
+def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: RosbagDecoder) -> None:
     """Raise ``RecordingError`` for a topic that a check reads and that cannot be decoded."""
     read = topics_decoded(rule_set)
     reasons = [(one, decoder.why_undecodable(one)) for one in channels if one.topic in read]
@@ -81,7 +80,7 @@ class ReplayTopics:
 
 
 def replay_topics(
-    channels: Sequence[Channel], rule_set: RuleSet, decoder: MessageDecoder, output_topic: str
+    channels: Sequence[Channel], rule_set: RuleSet, decoder: RosbagDecoder, output_topic: str
 ) -> ReplayTopics:
     """The topics of a replay.
 

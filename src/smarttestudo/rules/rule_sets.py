@@ -109,7 +109,6 @@ def load_rules(
     *,
     profile: Profile | None = None,
     bag_topics: Mapping[str, str] | None = None,
-    resolve: Resolve = resolve_topic,
 ) -> LoadedRules:
     """Read, check and compile the rule files at ``paths``, which may be folders; see ``check_texts``.
 
@@ -118,7 +117,7 @@ def load_rules(
         ProfileError: the profile lacks what its levels need.
     """
     texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
-    return check_texts(texts, profile=profile, bag_topics=bag_topics, resolve=resolve)
+    return check_texts(texts, profile=profile, bag_topics=bag_topics)
 
 
 def check_texts(

@@ -8,12 +8,13 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
+from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.mcap.record_bytes import StoredChannel
 from smarttestudo.bags.robot_path import PathPoint
 from smarttestudo.bags.statistics import TraceAccumulator
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.incident import IncidentRecord, Missing
-from smarttestudo.domain.recording import Channel, MessageDecoder, RecordingReader, first_of_topics
+from smarttestudo.domain.recording import Channel, RecordingReader, first_of_topics
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.folder import first_record, record_holding
@@ -34,7 +35,7 @@ class ArrivalWatch:
     Of a topic with two types one counts, as in the replay.
     """
 
-    def __init__(self, recording: RecordingReader, decoder: MessageDecoder, loss: LossWatch) -> None:
+    def __init__(self, recording: RecordingReader, decoder: RosbagDecoder, loss: LossWatch) -> None:
         self._decoder = decoder
         self._loss = loss
         self._declared_bytes = recording.declared_bytes
