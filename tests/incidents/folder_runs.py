@@ -70,7 +70,7 @@ class FolderRun:
             store=None if self.ring is None else self.ring.store,
         )
         for topic in self.topics:
-            self.recorder.hear(topic, START_MS * MS, transient_local=topic == LATCHED)
+            self.recorder.on_subscribed(topic, START_MS * MS, transient_local=topic == LATCHED)
 
     def wait(self, by_ms: int) -> None:
         """The clock jumps where that is negative."""

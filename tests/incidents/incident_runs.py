@@ -89,7 +89,7 @@ def recorder_for(
     sink = KeepingSink()
     recorder = IncidentRecorder(rule_set, sink, memory_bytes, 0, store=store)
     for topic in topics:
-        recorder.hear(topic, 0, transient_local=False)
+        recorder.on_subscribed(topic, 0, transient_local=False)
     return recorder, sink
 
 

@@ -353,7 +353,7 @@ def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path)
     failed: list[str] = []
     sink = BackgroundSink(run.folders, 2000, failed=lambda name, _: failed.append(name))
     run.recorder = IncidentRecorder(run.rule_set, sink, 100_000, START_MS * MS)
-    run.recorder.hear("/odom", START_MS * MS, transient_local=False)
+    run.recorder.on_subscribed("/odom", START_MS * MS, transient_local=False)
     run.trigger()
     # The thread that writes begins only now.
     for _ in range(10):

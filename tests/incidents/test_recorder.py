@@ -6,7 +6,7 @@ import pytest
 
 from incidents.incident_runs import recorder_for, recording_rules, rules_of, trigger
 from smarttestudo.domain.incident import MissingReason
-from smarttestudo.incidents.missing import unheard
+from smarttestudo.incidents.missing import unsubscribed
 from smarttestudo.incidents.recorder import MAX_OPEN_INCIDENTS
 from smarttestudo.incidents.topic_ring import HeldMessage
 from smarttestudo.language.rule_set import RuleSet
@@ -118,12 +118,12 @@ def test_a_topic_that_nobody_publishes_is_missing_once_until_the_last_moment() -
     recorder.on_message("/scan", 99 * S, b"scan")
     recorder.begin(trigger(rules, 100 * S))
     recorder.begin(trigger(rules, 102 * S))
-    recorder.hear("/odom", 103 * S, transient_local=False)
+    recorder.on_subscribed("/odom", 103 * S, transient_local=False)
     recorder.begin(trigger(rules, 104 * S))
     recorder.finish(200 * S)
     assert sink.kept[0].missing == (
-        unheard("/odom", 90 * S, 102 * S, MissingReason.UNPUBLISHED),
-        unheard("/odom", 102 * S, 103 * S),
+        unsubscribed("/odom", 90 * S, 102 * S, MissingReason.UNPUBLISHED),
+        unsubscribed("/odom", 102 * S, 103 * S),
     )
 
 
@@ -174,9 +174,9 @@ def test_latched_messages_and_all_static_frames_are_in_every_incident() -> None:
         'Record "near miss" /scan Before 10 s After 5 s\nEndIf'
     )
     recorder, sink = recorder_for(rules)
-    recorder.hear("/map", 0, transient_local=True)
-    recorder.hear("/robot/tf_static", 0, transient_local=True)
-    recorder.hear("/unnamed", 0, transient_local=True)
+    recorder.on_subscribed("/map", 0, transient_local=True)
+    recorder.on_subscribed("/robot/tf_static", 0, transient_local=True)
+    recorder.on_subscribed("/unnamed", 0, transient_local=True)
     assert [recorder.keeps(topic) for topic in ("/map", "/robot/tf_static", "/unnamed")] == [
         True,
         True,
@@ -217,7 +217,7 @@ def test_memory_is_taken_from_the_topic_that_has_most_of_it() -> None:
 def test_what_was_heard_late_or_never_is_named() -> None:
     rules = recording_rules('Record "near miss" /scan /odom Before 10 s After 5 s')
     recorder, sink = recorder_for(rules, topics=())
-    recorder.hear("/scan", 97 * S, transient_local=False)
+    recorder.on_subscribed("/scan", 97 * S, transient_local=False)
     recorder.begin(trigger(rules, 100 * S))
     recorder.finish(102 * S)
     assert sink.kept[0].missing is not None

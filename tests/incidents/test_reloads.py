@@ -15,7 +15,7 @@ from robot.status.virtual_robot import SECOND, VirtualRobot
 from smarttestudo.domain.incident import MissingReason
 from smarttestudo.domain.robot import Qos
 from smarttestudo.incidents.live_incidents import LiveIncidents
-from smarttestudo.incidents.missing import unheard
+from smarttestudo.incidents.missing import unsubscribed
 from smarttestudo.incidents.part_kinds import (
     INCIDENT_MEMORY,
     INCIDENT_RING,
@@ -128,11 +128,11 @@ def test_what_is_lost_of_a_topic_that_only_an_open_window_keeps_is_missing() -> 
 @pytest.mark.parametrize("topic", ["/tf_static", "/map"])
 def test_what_was_latched_before_rules_recorded_anything_is_in_their_incidents(topic: str) -> None:
     recorder, sink = recorder_for(rules(""), topics=())
-    recorder.hear(topic, 1 * SECOND, transient_local=True)
+    recorder.on_subscribed(topic, 1 * SECOND, transient_local=True)
     recorder.on_message(topic, 1 * SECOND, b"latched")
     recording = rules('Record "far" /odom Before 1 s After 5 s')
     recorder.change_rules(recording)
-    recorder.hear(topic, 50 * SECOND, transient_local=True)
+    recorder.on_subscribed(topic, 50 * SECOND, transient_local=True)
     recorder.begin(trigger(recording, 60 * SECOND))
     (one,) = sink.kept
     assert [(message.topic, message.payload) for message in one.latched] == [(topic, b"latched")]
@@ -141,16 +141,16 @@ def test_what_was_latched_before_rules_recorded_anything_is_in_their_incidents(t
 def test_what_was_latched_while_rules_did_not_name_its_topic_is_unknown() -> None:
     recording = rules('Record "far" /odom Before 10 s After 5 s')
     recorder, sink = recorder_for(recording)
-    recorder.hear("/map", 1 * SECOND, transient_local=True)
+    recorder.on_subscribed("/map", 1 * SECOND, transient_local=True)
     recorder.on_message("/map", 1 * SECOND, b"old map")
     recorder.change_rules(rules('Record "far" /odom Before 10 s After 5 s', defaults=""))
     assert not recorder.keeps("/map")
     recorder.change_rules(recording)
-    recorder.hear("/map", 57 * SECOND, transient_local=True)
+    recorder.on_subscribed("/map", 57 * SECOND, transient_local=True)
     recorder.on_message("/map", 57 * SECOND, b"new map")
     recorder.begin(trigger(recording, 60 * SECOND))
     recorder.advance(70 * SECOND)
     (one,) = sink.kept
     assert one.latched == []
     assert [message.payload for message in one.messages] == [b"new map"]
-    assert one.missing == (unheard("/map", 50 * SECOND, 57 * SECOND),)
+    assert one.missing == (unsubscribed("/map", 50 * SECOND, 57 * SECOND),)

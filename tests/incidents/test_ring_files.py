@@ -127,7 +127,7 @@ def test_the_loop_only_hands_over_and_what_waits_too_long_is_counted(tmp_path: P
     )
     run.recorder = IncidentRecorder(run.rule_set, sink, 20_000, START_MS * MS, store=sink.store)
     for topic in run.topics:
-        run.recorder.hear(topic, START_MS * MS, transient_local=False)
+        run.recorder.on_subscribed(topic, START_MS * MS, transient_local=False)
     # The thread that writes begins only now.
     fill(run, seconds=1)
     assert run.ring is not None

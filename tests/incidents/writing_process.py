@@ -34,7 +34,7 @@ def main() -> None:
     sink = BackgroundSink(IncidentFolders(folder, {"/odom": channel("/odom")}), 100_000_000, failed=fail)
     with sink.running():
         recorder = IncidentRecorder(rules, sink, 100_000_000, time.time_ns())
-        recorder.hear("/odom", time.time_ns(), transient_local=False)
+        recorder.on_subscribed("/odom", time.time_ns(), transient_local=False)
         sys.stdout.write("ready\n")
         sys.stdout.flush()
         number, due_s = 0, time.monotonic()

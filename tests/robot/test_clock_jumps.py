@@ -177,7 +177,7 @@ class Recording(Part):
         self.begun_ns[place].append(self.graph.passed_ns)
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
-        self.recorder.hear(topic, now_ns, transient_local=False)
+        self.recorder.on_subscribed(topic, now_ns, transient_local=False)
 
     def on_message(
         self,

@@ -97,13 +97,13 @@ def observed_values(
         for observed in found[channel.topic].values():
             observed.on_message(message)
     return {
-        signal: _told(signal, one, channels[signal.topic].type_name, decoder.reason(signal.topic))
+        signal: _observed_values(signal, one, channels[signal.topic].type_name, decoder.reason(signal.topic))
         for of_topic in found.values()
         for signal, one in of_topic.items()
     }
 
 
-def _told(signal: Signal, one: _Observed, type_name: str, reason: str) -> ObservedValues:
+def _observed_values(signal: Signal, one: _Observed, type_name: str, reason: str) -> ObservedValues:
     if one.greatest > -math.inf:
         return ObservedValues(greatest=one.greatest)
     if not one.messages:

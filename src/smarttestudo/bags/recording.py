@@ -173,11 +173,11 @@ class RosbagRecording:
 
     def notices(self) -> Sequence[str]:
         """Losses and oddities, one line each; complete once all messages were read."""
-        told: dict[str, list[Path]] = {}
+        paths_of: dict[str, list[Path]] = {}
         for part in self._parts:
             for notice in part.file.notices():
-                told.setdefault(notice, []).append(part.path)
-        lost = [f"{_first_of(paths)}: {notice}" for notice, paths in told.items()]
+                paths_of.setdefault(notice, []).append(part.path)
+        lost = [f"{_first_of(paths)}: {notice}" for notice, paths in paths_of.items()]
         broken = [
             f"{topic}: {left_out(count, 'that could not be decompressed')}"
             for topic, count in sum(self._broken.values(), Counter[str]()).items()

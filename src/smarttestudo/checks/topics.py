@@ -218,8 +218,8 @@ def unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
     if recorded is None or first is None:
         return
     meant = (close_topic(topic, recorded) for topic in rules.mentions if topic not in recorded)
-    told = {*rules.mentions, *(profile.topics if profile else ()), *_OF_ROS, *meant}
-    unnamed = sorted(topic for topic in recorded if topic not in told)
+    known = {*rules.mentions, *(profile.topics if profile else ()), *_OF_ROS, *meant}
+    unnamed = sorted(topic for topic in recorded if topic not in known)
     if unnamed:
         yield Found(
             path=first,

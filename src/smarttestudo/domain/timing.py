@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Time of a clock that may jump, alarms, and rests in long work."""
+"""Time of a clock that may jump, alarms, and turns that long work yields."""
 
 from __future__ import annotations
 
@@ -91,16 +91,16 @@ class AlarmClock(Generic[Key]):
 
 _Item = TypeVar("_Item")
 
-Rest = Callable[[], None]
-"""Called between two small pieces of work."""
+Yield = Callable[[], None]
+"""Called between two small pieces of work, so that other threads have their turn."""
 
 
-def no_rest() -> None:
+def never_yield() -> None:
     """Go on at once, for work that others wait for."""
 
 
-def resting(items: Iterable[_Item], rest: Rest) -> Iterator[_Item]:
-    """``items``, with a rest before each."""
+def yielding(items: Iterable[_Item], yield_turn: Yield) -> Iterator[_Item]:
+    """``items``, each after a turn of others."""
     for item in items:
-        rest()
+        yield_turn()
         yield item

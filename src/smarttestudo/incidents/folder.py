@@ -157,9 +157,11 @@ def finish_folder(
 ) -> None:
     """Write what names the files of a bag, and the record. Raises ``OutputFileError``."""
     listed = {(one.topic, one.type_name): one for content in files.values() for one in content.channels}
-    heard = {one.topic for one in listed.values()}
+    listed_topics = {one.topic for one in listed.values()}
     listed |= {
-        (topic, ""): channels[topic] for topic in record.topics if topic in channels and topic not in heard
+        (topic, ""): channels[topic]
+        for topic in record.topics
+        if topic in channels and topic not in listed_topics
     }
     with whole_file(path / METADATA_NAME, "the metadata of an incident") as write:
         write(metadata_text(files, [listed[key] for key in sorted(listed)]))

@@ -61,7 +61,7 @@ class LiveIncidents(Part):
         self._settings = settings
         self._memory_bytes = round(settings[INCIDENT_MEMORY] * BYTES_PER_MB)
         self._static_topic = context.resolve("/tf_static")
-        self._channels = HeardChannels(robot)
+        self._channels = SourceChannels(robot)
         self._recorder: IncidentRecorder | None = None
         self._ring: RingFiles | None = None
         self._ring_max_bytes = round(settings[INCIDENT_RING_MAX] * BYTES_PER_GB)
@@ -146,8 +146,8 @@ class LiveIncidents(Part):
             now_ns=self._robot.steady_ns(),
             is_somebody_there=source.publishers > 0,
         )
-        self._recorder.hear(topic, now_ns, transient_local=source.qos.transient_local, gone=gone)
-        self._channels.hear(topic, source, self._recorder.next_number)
+        self._recorder.on_subscribed(topic, now_ns, transient_local=source.qos.transient_local, gone=gone)
+        self._channels.on_source(topic, source, self._recorder.next_number)
 
     def on_message(
         self,
@@ -309,24 +309,24 @@ class FolderLock:
 _MOST_CHANGES = 100
 
 
-class HeardChannels:
-    """The channels in ``by_topic``, with the type and QoS of the source that was heard last.
+class SourceChannels:
+    """The channels in ``by_topic``, with the type and QoS of the last source that was subscribed to.
 
     Types before that are kept for their messages.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
-        self._heard: dict[str, tuple[str, Qos]] = {}
+        self._sources: dict[str, tuple[str, Qos]] = {}
         # Another thread reads these: what is in them is replaced, not changed.
         self._since: dict[str, tuple[tuple[int, StoredChannel], ...]] = {}
         self.by_topic: dict[str, StoredChannel] = {}
 
-    def hear(self, topic: str, source: LiveSource, number: int) -> None:
+    def on_source(self, topic: str, source: LiveSource, number: int) -> None:
         """Messages of ``source`` are received from ``number`` on, if they were not before."""
-        heard = source.type_name, source.qos
-        if self._heard.get(topic) != heard:
-            self._heard[topic] = heard
+        seen = source.type_name, source.qos
+        if self._sources.get(topic) != seen:
+            self._sources[topic] = seen
             channel = StoredChannel(
                 topic=topic,
                 type_name=source.type_name,

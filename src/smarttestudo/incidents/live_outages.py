@@ -30,7 +30,7 @@ from smarttestudo.incidents.folder import (
     unused_name,
     write_record,
 )
-from smarttestudo.incidents.live_incidents import HeardChannels, delete_for_room
+from smarttestudo.incidents.live_incidents import SourceChannels, delete_for_room
 from smarttestudo.incidents.missing import LostMessages, missing_text
 from smarttestudo.incidents.store import remove_begun
 from smarttestudo.loop.relay import Relayed
@@ -55,7 +55,7 @@ class LiveOutages(Part):
         self._link = link
         self._folder = folder
         self._settings = settings
-        self._channels = HeardChannels(robot)
+        self._channels = SourceChannels(robot)
         self._origin: MessageOrigin | None = None
         self._rules_hash = ""
         self._begun_ns: int | None = None
@@ -81,7 +81,7 @@ class LiveOutages(Part):
 
     def on_source(self, topic: str, source: LiveSource, now_ns: int) -> None:
         """Know the topic's type."""
-        self._channels.hear(topic, source, now_ns)
+        self._channels.on_source(topic, source, now_ns)
 
     def before_publish(self, relayed: Relayed) -> None:
         """Know the source, under whose name the message is kept if it is missed."""

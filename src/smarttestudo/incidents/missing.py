@@ -16,13 +16,13 @@ from smarttestudo.incidents.topic_ring import GivenUp, SourceMessage, together
 _MOST_NAMED = 3
 
 
-def unheard(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
-    """Entry for ``topic``, which nobody heard between two stamps."""
+def unsubscribed(topic: str, from_ns: int, to_ns: int, reason: MissingReason = MissingReason.LATE) -> Missing:
+    """Entry for ``topic``, to which nobody was subscribed between two stamps."""
     return Missing(topic=topic, reason=reason, messages=None, from_ns=from_ns, to_ns=to_ns)
 
 
-def add_unheard(missing: list[Missing], one: Missing) -> None:
-    """Add that nobody heard a topic, together with the time right before it."""
+def add_unsubscribed(missing: list[Missing], one: Missing) -> None:
+    """Add that nobody was subscribed to a topic, together with the time right before it."""
     for place, known in enumerate(missing):
         if (known.topic, known.reason, known.to_ns) == (one.topic, one.reason, one.from_ns):
             missing[place] = replace(known, to_ns=one.to_ns)
@@ -50,9 +50,9 @@ def missing_for_memory(
 
 
 LOSSES_APART_NS = NS_PER_S // 10
-"""Losses of a topic that lie closer are told as one: in a flood there is one before almost each message."""
+"""Losses of a topic that lie closer count as one: in a flood there is one before almost each message."""
 MOST_LOSSES = 100
-"""How many are told of a topic in one window."""
+"""How many losses of a topic one window lists."""
 
 
 def add_loss(losses: list[Missing], loss: Missing) -> None:

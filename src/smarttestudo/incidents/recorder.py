@@ -13,7 +13,13 @@ from smarttestudo.domain.incident import Missing, MissingReason
 from smarttestudo.domain.timing import SteadyTime
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.incidents.latched import Gone, LatchedSamples, holds_static_frames, nobody
-from smarttestudo.incidents.missing import add_loss, add_unheard, missing_for_memory, unheard, without
+from smarttestudo.incidents.missing import (
+    add_loss,
+    add_unsubscribed,
+    missing_for_memory,
+    unsubscribed,
+    without,
+)
 from smarttestudo.incidents.sink import Incident, IncidentSink, Past, Store
 from smarttestudo.incidents.topic_ring import BlockPool, GivenUp, InOrder, SourceMessage, TopicRing
 from smarttestudo.language.rule_set import RecordRequest, RuleSet
@@ -172,7 +178,7 @@ class IncidentRecorder:
             (*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *rule_set.recorded)
         )
         for topic in [topic for topic in self._latched if not self._may_be_latched(topic)]:
-            # It may not be heard any more.
+            # Nobody may be subscribed to it any more.
             del self._latched[topic]
             self._latched_bytes.pop(topic, None)
             self._lapsed.add(topic)
@@ -181,14 +187,14 @@ class IncidentRecorder:
         """Whether messages of ``topic`` are to be taken."""
         return topic in self._rings or topic in self._latched or topic in self.open_topics
 
-    def hear(self, topic: str, now_ns: int, *, transient_local: bool, gone: Gone = nobody) -> None:
+    def on_subscribed(self, topic: str, now_ns: int, *, transient_local: bool, gone: Gone = nobody) -> None:
         """Take messages of ``topic`` as they come, if kept; what ``gone`` ones latched counts no more."""
         self.time.advance(now_ns)
         if (ring := self._rings.get(topic)) is not None and ring.since is None:
             ring.since = (self.time.now_ns, now_ns)
         # Also while nothing is recorded: what is latched does not come again with rules that record.
         if topic not in self._latched and (transient_local or holds_static_frames(topic)):
-            self._hear_latched(topic)
+            self._add_latched(topic)
         if (samples := self._latched.get(topic)) is not None:
             samples.end(gone(samples.publishers), self.time.now_ns)
             self._forget_replaced(topic, samples)
@@ -282,7 +288,7 @@ class IncidentRecorder:
         samples.forget_before(self.time.now_ns - self._longest_ns)
         self._latched_bytes[topic] = samples.held_bytes
 
-    def _hear_latched(self, topic: str) -> None:
+    def _add_latched(self, topic: str) -> None:
         if self._may_be_latched(topic):
             self._latched[topic] = samples = LatchedSamples(topic)
             if topic in self._lapsed:
@@ -309,11 +315,11 @@ class IncidentRecorder:
             to_ns=incident.to_ns,
             limit_ns=from_ns + MAX_WINDOWS * (recording.before_ns + recording.after_ns),
         )
-        window.missing += self._unheard(recording, from_ns, incident.from_ns, trigger.stamp_ns)
+        window.missing += self._unsubscribed(recording, from_ns, incident.from_ns, trigger.stamp_ns)
         for topic, samples in self._latched.items():
             complete_ns = samples.complete_since_ns
             if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
-                window.missing.append(unheard(topic, incident.from_ns, self.time.on_clock(complete_ns)))
+                window.missing.append(unsubscribed(topic, incident.from_ns, self.time.on_clock(complete_ns)))
         past = self._past(window, from_ns, counting=True)
         latched = sorted(one for samples in self._latched.values() for one in samples.counting_at(from_ns))
         self._sink.begin(incident, replace(past, latched=latched))
@@ -322,8 +328,8 @@ class IncidentRecorder:
     def _extend(self, window: _Window, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self.time.now_ns
         self.further_moments += 1
-        for one in self._unheard(recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns):
-            add_unheard(window.missing, one)
+        for one in self._unsubscribed(recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns):
+            add_unsubscribed(window.missing, one)
         past = Past()
         if window.end_ns < now_ns:
             past = self._past(window, window.end_ns + 1, counting=False)
@@ -357,21 +363,21 @@ class IncidentRecorder:
                 add_loss(window.lost.setdefault(topic, []), lost)
         return Past(from_ns=from_ns, messages=InOrder((*held.values(), inside)), given_up=given_up)
 
-    def _unheard(
+    def _unsubscribed(
         self, recording: RecordRequest, from_ns: int, from_stamp_ns: int, to_stamp_ns: int
     ) -> Iterator[Missing]:
-        """Parts of the time before a beginning, from a steady time on, in which nobody heard a topic."""
+        """Parts of the time before a beginning, from a steady time on, without a subscription to a topic."""
         for topic in recording.topics:
             ring = self._rings.get(topic)
             if ring is None:
                 continue
             if ring.since is not None:
                 if ring.since[0] > from_ns:
-                    yield unheard(topic, from_stamp_ns, ring.since[1])
+                    yield unsubscribed(topic, from_stamp_ns, ring.since[1])
             elif self.time.now_ns == self._start_ns:
-                yield unheard(topic, from_stamp_ns, to_stamp_ns)
+                yield unsubscribed(topic, from_stamp_ns, to_stamp_ns)
             else:
-                yield unheard(topic, from_stamp_ns, to_stamp_ns, MissingReason.UNPUBLISHED)
+                yield unsubscribed(topic, from_stamp_ns, to_stamp_ns, MissingReason.UNPUBLISHED)
 
     def _given_up(
         self,

@@ -283,7 +283,7 @@ def together(one: Missing, other: Missing) -> Missing:
 class TopicRing:
     """Messages of the last ``horizon_ns``, by steady time, except for those that were given up.
 
-    ``since`` is when the topic began to be heard: the steady time, and the clock's. ``held_bytes`` is what
+    ``since`` is when the topic was subscribed to: the steady time, and the clock's. ``held_bytes`` is what
     its messages take in memory, with what is kept of those that were given up. Payloads are in blocks of
     ``pool``; what lies in the first and the last block beside the messages is not counted.
     """

@@ -15,7 +15,7 @@ from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.timing import Rest, resting
+from smarttestudo.domain.timing import Yield, yielding
 from smarttestudo.language.normal_form import (
     Every,
     Form,
@@ -163,10 +163,10 @@ class RuleSet:
             topic for block in self.blocks for recording in block.recordings for topic in recording.topics
         )
 
-    def blocks_by_topic(self, rest: Rest) -> dict[str, list[RuleBlock]]:
+    def blocks_by_topic(self, yield_turn: Yield) -> dict[str, list[RuleBlock]]:
         """The blocks that set each relayed topic, in order."""
         blocks: dict[str, list[RuleBlock]] = {topic: [] for topic in self.relayed}
-        for block in resting(self.blocks, rest):
+        for block in yielding(self.blocks, yield_turn):
             for topic in block.topics:
                 blocks[topic].append(block)
         return blocks

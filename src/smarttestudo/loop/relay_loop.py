@@ -17,7 +17,7 @@ from smarttestudo.domain.observation import (
 )
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.timing import Rest, no_rest
+from smarttestudo.domain.timing import Yield, never_yield
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
@@ -143,10 +143,10 @@ class RelayLoop:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
         return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
 
-    def prepare(self, rule_set: RuleSet, rest: Rest = no_rest) -> PreparedRules:
+    def prepare(self, rule_set: RuleSet, yield_turn: Yield = never_yield) -> PreparedRules:
         """Other rules, prepared to replace those in force; another thread may call it meanwhile."""
         knowledge = self.knowledge
-        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values, rest)
+        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values, yield_turn)
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""

@@ -13,7 +13,7 @@ from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.timing import AlarmClock, Rest, no_rest, resting
+from smarttestudo.domain.timing import AlarmClock, Yield, never_yield, yielding
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
@@ -51,31 +51,31 @@ class PreparedRules:
         before: RuleSet,
         after: RuleSet,
         values: Mapping[Signal, float | None] | None = None,
-        rest: Rest = no_rest,
+        yield_turn: Yield = never_yield,
     ) -> None:
         self.before, self.after = before, after
-        self.evaluator = Evaluator(after, rest=rest)
-        self.evaluator.foresee(values or {}, rest)
-        old_blocks, new_blocks = before.blocks_by_topic(rest), after.blocks_by_topic(rest)
+        self.evaluator = Evaluator(after, yield_turn=yield_turn)
+        self.evaluator.foresee(values or {}, yield_turn)
+        old_blocks, new_blocks = before.blocks_by_topic(yield_turn), after.blocks_by_topic(yield_turn)
         self.same = {
             topic: _same(old, new)
             for topic, old in old_blocks.items()
             if (new := new_blocks.get(topic)) is not None
-            and _are_alike(topic, (before, old), (after, new), rest)
+            and _are_alike(topic, (before, old), (after, new), yield_turn)
         }
-        self.counterpart = _counterparts(before, after, rest)
+        self.counterpart = _counterparts(before, after, yield_turn)
 
     def fits(self, before: RuleSet, after: RuleSet) -> bool:
         """Whether these are the rules that it was made of."""
         return self.before is before and self.after is after
 
-    def dismantle(self, rest: Rest = no_rest) -> None:
+    def dismantle(self, yield_turn: Yield = never_yield) -> None:
         """Free what was in force before, after the exchange, piece by piece."""
-        self.evaluator.dismantle(rest)
+        self.evaluator.dismantle(yield_turn)
         left: list[object] = [*self.before.blocks]
         del self.before, self.same, self.counterpart
         while left:
-            rest()
+            yield_turn()
             left.pop()
 
 
@@ -87,12 +87,12 @@ def _same(before: Sequence[RuleBlock], after: Sequence[RuleBlock]) -> SameRules:
     )
 
 
-def _are_alike(topic: str, before: _Deciding, after: _Deciding, rest: Rest) -> bool:
+def _are_alike(topic: str, before: _Deciding, after: _Deciding, yield_turn: Yield) -> bool:
     """Whether all that decides the rate and the bounds of ``topic`` is the same."""
     (before_set, old), (after_set, new) = before, after
     if len(old) != len(new) or _always(before_set, topic) != _always(after_set, topic):
         return False
-    pairs = resting(zip(old, new, strict=True), rest)
+    pairs = yielding(zip(old, new, strict=True), yield_turn)
     return all(_stance(one, topic) == _stance(other, topic) for one, other in pairs)
 
 
@@ -104,13 +104,13 @@ def _stance(block: RuleBlock, topic: str) -> object:
     return block.name, block.priority, block.rates.get(topic), block.bounds.get(topic), block.form
 
 
-def _counterparts(before: RuleSet, after: RuleSet, rest: Rest) -> Callable[[int], int]:
+def _counterparts(before: RuleSet, after: RuleSet, yield_turn: Yield) -> Callable[[int], int]:
     """Which block of ``after`` each block of ``before`` became: the one of the same name."""
     found: dict[int, int] = {}
     by_label: dict[str, list[int]] = {}
-    for block in resting(reversed(after.blocks), rest):
+    for block in yielding(reversed(after.blocks), yield_turn):
         by_label.setdefault(block.label, []).append(block.order)
-    for block in resting(before.blocks, rest):
+    for block in yielding(before.blocks, yield_turn):
         if orders := by_label.get(block.label):
             found[block.order] = orders.pop()
     return lambda order: found.get(order, _GONE)

@@ -332,19 +332,19 @@ class GroupStream(VolatileStream):
     only a key frame is held.
     """
 
-    __slots__ = ("_began_ns", "_came_ns", "_lasted_ns", "group")
+    __slots__ = ("_began_ns", "_last_ns", "_lasted_ns", "group")
 
     def __init__(self, pace: Pace, now_ns: int) -> None:
         super().__init__(pace, now_ns)
         self.group = VideoGroup()
-        self._began_ns = self._came_ns = now_ns
+        self._began_ns = self._last_ns = now_ns
         self._lasted_ns = (0, 0)
         """How long the last two groups lasted."""
 
     def offer(self, sample: Sample, now_ns: int) -> bool:
         """Whether ``sample`` passes now; if not, it is held if it is a key frame."""
         self.source.record(now_ns)
-        self._came_ns = now_ns
+        self._last_ns = now_ns
         group, grid, is_first = self.group, self.grid, not self.group.is_known
         begins = group.take(sample.frame)
         if begins:
@@ -375,11 +375,11 @@ class GroupStream(VolatileStream):
     def restart(self, now_ns: int) -> None:
         """Begin anew on a clock that jumped back to ``now_ns``."""
         super().restart(now_ns)
-        self._began_ns = self._came_ns = now_ns
+        self._began_ns = self._last_ns = now_ns
 
     def is_idle(self, now_ns: int) -> bool:
         """Whether a fresh stream would do as well, which takes any frame for one that can be decoded."""
-        is_forgotten = not self.group.is_broken or now_ns - self._came_ns > _FORGOTTEN_AFTER_NS
+        is_forgotten = not self.group.is_broken or now_ns - self._last_ns > _FORGOTTEN_AFTER_NS
         return is_forgotten and super().is_idle(now_ns)
 
     def _until_ns(self, now_ns: int) -> int:

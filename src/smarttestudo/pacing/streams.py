@@ -27,7 +27,7 @@ def messages_per_hz(names: int, *, messages: int, named: int) -> float:
     return names * messages / named if named else 1.0
 
 
-class _Rest:
+class _Others:
     """The key that all streams beyond ``MAX_STREAMS`` share."""
 
 
@@ -130,7 +130,7 @@ class Streams(ABC, Generic[AnyStream]):
             self._streams = {k: stream for k, stream in self._streams.items() if not stream.is_idle(now_ns)}
             self._opens_to_prune = max(OPENS_TO_PRUNE, len(self._streams))
         if len(self._streams) >= MAX_STREAMS:
-            key = _Rest
+            key = _Others
         return self._streams.setdefault(key, self._open(self._pace, now_ns))
 
     def _arm(self, now_ns: int) -> None:

@@ -91,8 +91,8 @@ class TopicPacer(Pacer):
 
         Of coded video, which frame one is must be known, unless none passes.
         """
-        rests = self._kind is StreamKind.CODED_VIDEO and self._pace.is_off and self._accuracy is None
-        return (self._is_plain or rests) and not self._notifier.followers
+        passes_none = self._kind is StreamKind.CODED_VIDEO and self._pace.is_off and self._accuracy is None
+        return (self._is_plain or passes_none) and not self._notifier.followers
 
     @property
     def may_leave(self) -> bool:

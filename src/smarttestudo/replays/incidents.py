@@ -54,7 +54,7 @@ class IncidentCutter:
             rule_set, sink, memory_bytes, start_ns, rules_sha256=request.rules_sha256
         )
         for topic, channel in sources.items():
-            self._recorder.hear(topic, start_ns, transient_local=channel.transient_local)
+            self._recorder.on_subscribed(topic, start_ns, transient_local=channel.transient_local)
 
     def _sink(self, into: Path | OpenSink, channels: Mapping[str, StoredChannel]) -> IncidentSink:
         if not isinstance(into, Path):

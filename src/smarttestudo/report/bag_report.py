@@ -210,7 +210,7 @@ def _total(run: MeasuredRun | None, topics: Sequence[str | None], span: Recordin
 
 
 Progress = Callable[[str], AbstractContextManager[Callable[[float], None]]]
-"""Shows how far the work of the given name is while its block lasts, told as a share of 0 … 1."""
+"""Shows how far the work of the given name is while its block lasts, as a share of 0 … 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -258,13 +258,13 @@ def bag_report(request: ReportRequest) -> RunReport:
     sent, comparison = _read_sent(request, runs, readings)
     loss: LossReport | None = None
     if measurement is not None:
-        with request.progress("Measuring what was lost") as told:
-            loss, notices = known_or_why(lambda: measurement.report(sent, told))
+        with request.progress("Measuring what was lost") as shown:
+            loss, notices = known_or_why(lambda: measurement.report(sent, shown))
         notices = loss.notices if loss else notices
     curves: tuple[AccuracyCurve, ...] = ()
     if wanted:
-        with request.progress("Measuring what an accuracy costs") as told:
-            curves, unread = accuracies(sent.topics, wanted, runs.a.summary.span.end_ns, told)
+        with request.progress("Measuring what an accuracy costs") as shown:
+            curves, unread = accuracies(sent.topics, wanted, runs.a.summary.span.end_ns, shown)
         notices = (*notices, *unread)
     link, link_notices = _link(request, runs)
     return replace(

@@ -109,7 +109,7 @@ class LinkHistoryBuilder:
         self._end_s: float | None = None
 
     def on_status(self, stamp_ns: int, status: RuntimeStatus) -> None:
-        """Add what was told at ``stamp_ns``."""
+        """Add the status of ``stamp_ns``."""
         link = status.link
         if link is None:
             return
@@ -130,20 +130,22 @@ class LinkHistoryBuilder:
             self._silent_since_s = t_s
         elif link.is_connected:
             self._end_silence(t_s)
-        for name, told in _on_link(status):
+        for name, topic in _on_link(status):
             if (known := self._topic(name)) is None:
                 self.left_out += 1
                 continue
-            known.count(told.counts)
-            known.ages_ms.add(t_s, told.age_ms)
+            known.count(topic.counts)
+            known.ages_ms.add(t_s, topic.age_ms)
 
     def _begin(self, outages: int, status: RuntimeStatus) -> None:
         """Count from here on: what was before is in no recording of this time."""
         self._outages_before = -outages
-        for name, told in _on_link(status):
+        for name, topic in _on_link(status):
             if (known := self._topic(name)) is not None:
                 known.before = StreamCounts(
-                    sent=-told.counts.sent, replaced=-told.counts.replaced, overflowed=-told.counts.overflowed
+                    sent=-topic.counts.sent,
+                    replaced=-topic.counts.replaced,
+                    overflowed=-topic.counts.overflowed,
                 )
 
     def _topic(self, name: str) -> _Topic | None:
@@ -152,7 +154,7 @@ class LinkHistoryBuilder:
         return self._topics.setdefault(name, _Topic())
 
     def history(self) -> LinkHistory | None:
-        """All of it, or ``None`` where no status told of a link."""
+        """All of it, or ``None`` where no status has a link."""
         if self._end_s is None:
             return None
         self._end_silence(self._end_s)
@@ -188,7 +190,7 @@ def _bounded(count: int) -> int:
 
 
 def link_table(history: LinkHistory) -> Table[TopicOverLink]:
-    """The ages of each topic as they were told, and what became of its messages at the robot's end."""
+    """The ages of each topic in the statuses, and what became of its messages at the robot's end."""
     return Table(
         title="Topics over the link",
         columns=(

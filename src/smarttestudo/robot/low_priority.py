@@ -10,10 +10,10 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from smarttestudo.domain.timing import Rest
+from smarttestudo.domain.timing import Yield
 
 _SWITCH_INTERVAL_S = 0.000_5
-_WORK_S, _REST_S = 0.000_5, 0.001
+_WORK_S, _YIELD_S = 0.000_5, 0.001
 
 
 @contextmanager
@@ -31,28 +31,28 @@ def long_lived() -> Iterator[None]:
 
 
 @contextmanager
-def low_priority() -> Iterator[Rest]:
-    """Let this thread make many objects while others go on; it is to rest between two pieces of work.
+def low_priority() -> Iterator[Yield]:
+    """Let this thread make many objects while others go on; it is to yield between two pieces of work.
 
-    A thread that rests often is seldom interrupted while it has the interpreter, for which all others would
+    A thread that yields often is seldom interrupted while it has the interpreter, for which all others would
     wait. What it makes is ``long_lived``.
     """
     interval_s = sys.getswitchinterval()
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     try:
         with long_lived():
-            yield _rests()
+            yield _yielding()
     finally:
         sys.setswitchinterval(interval_s)
 
 
-def _rests() -> Rest:
+def _yielding() -> Yield:
     due_s = time.monotonic() + _WORK_S
 
-    def rest() -> None:
+    def yield_turn() -> None:
         nonlocal due_s
         if time.monotonic() >= due_s:
-            time.sleep(_REST_S)
+            time.sleep(_YIELD_S)
             due_s = time.monotonic() + _WORK_S
 
-    return rest
+    return yield_turn

@@ -73,13 +73,13 @@ def _answer(
         while not pipe.poll(_POLL_S):
             if is_ended():
                 return RuleFileError("the rules were not checked to the end")
-        with low_priority() as rest:
+        with low_priority() as yield_turn:
             while True:
                 answer = incoming.read(pipe.recv_bytes())
                 if not isinstance(answer, _Piece):
                     break
                 blocks += answer.blocks
-                rest()
+                yield_turn()
         if isinstance(answer, LiveRules):
             return _whole(answer, blocks)
         if not isinstance(answer, str):

@@ -14,7 +14,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
-from smarttestudo.domain.timing import Rest
+from smarttestudo.domain.timing import Yield
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import PreparedRules
@@ -166,7 +166,7 @@ class RuleWatch:
     """
 
     def __init__(
-        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Rest], PreparedRules]
+        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Yield], PreparedRules]
     ) -> None:
         self._files = files
         self._prepare = prepare
@@ -206,8 +206,8 @@ class RuleWatch:
         while not self._ended.wait(POLL_PERIOD_S):
             with suppress(Empty):
                 replaced = self._replaced.get_nowait()
-                with low_priority() as rest:
-                    replaced.dismantle(rest)
+                with low_priority() as yield_turn:
+                    replaced.dismantle(yield_turn)
                     del replaced
             if self._is_to_be_read():
                 self._readings.put(self._prepared(self._files.read()))
@@ -215,8 +215,8 @@ class RuleWatch:
     def _prepared(self, reading: Reading) -> Reading:
         if reading.rules is None or not reading.rules.is_large:
             return reading
-        with low_priority() as rest:
-            return replace(reading, prepared=self._prepare(reading.rules.rule_set, rest))
+        with low_priority() as yield_turn:
+            return replace(reading, prepared=self._prepare(reading.rules.rule_set, yield_turn))
 
     def _is_to_be_read(self) -> bool:
         try:

@@ -270,7 +270,7 @@ def test_messages_that_a_recording_lost_are_counted_topic_by_topic(tmp_path: Pat
     robot = VirtualRobot(sources={"/image": Source(hz=15, one_of=3), "/scan": Source(hz=10)})
     channels = [Channel(topic=topic, type_name="sensor_msgs/msg/Imu") for topic in robot.sources]
     folder = tmp_path / "baseline"
-    with recorded(robot, folder, channels, {}) as heard:
+    with recorded(robot, folder, channels, {}) as subscribed:
         robot.wait(None, 200)
-        said = lost_lines(folder, heard)
+        said = lost_lines(folder, subscribed)
     assert said == ["baseline: 2 000 of 3 000 messages of /image were lost on their way"]

@@ -295,15 +295,15 @@ class RecoveredMcapFile:
 
     def _payloads_at(self, offset: int) -> Iterator[FoundMessage]:
         for record in self._records.at(offset):
-            if isinstance(record, MessageEntry) and self._is_to_be_told(record):
+            if isinstance(record, MessageEntry) and self._is_readable(record):
                 yield record.log_time, record.channel_id, record.payload_bytes, record.head
 
     def _heads_at(self, offset: int, *, head_bytes: int) -> Iterator[FoundMessage]:
         for record in self._records.heads_at(offset, head_bytes):
-            if isinstance(record, MessageEntry) and self._is_to_be_told(record):
+            if isinstance(record, MessageEntry) and self._is_readable(record):
                 yield record.log_time, record.channel_id, record.payload_bytes, record.head
 
-    def _is_to_be_told(self, message: MessageEntry) -> bool:
+    def _is_readable(self, message: MessageEntry) -> bool:
         return message.log_time <= LAST_STAMP_NS and message.channel_id in self.channels
 
     def _find_messages(self) -> None:

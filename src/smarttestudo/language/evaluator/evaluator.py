@@ -13,7 +13,7 @@ from typing import Any
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal, Truth
-from smarttestudo.domain.timing import Rest, no_rest, resting
+from smarttestudo.domain.timing import Yield, never_yield, yielding
 from smarttestudo.language.evaluator.graph import Graph, Propagation
 from smarttestudo.language.evaluator.literal import TRUE, UNKNOWN, Latch, Leaf, Literal, Thresholds
 from smarttestudo.language.normal_form import HeldTime, LastSeen, signals_of
@@ -212,19 +212,19 @@ class Evaluator:
     each.
     """
 
-    def __init__(self, rule_set: RuleSet, start_ns: int = 0, rest: Rest = no_rest) -> None:
+    def __init__(self, rule_set: RuleSet, start_ns: int = 0, yield_turn: Yield = never_yield) -> None:
         self._graph = graph = Graph()
         self._blocks = rule_set.blocks
-        self._literals = [_literal(graph, block) for block in resting(rule_set.blocks, rest)]
+        self._literals = [_literal(graph, block) for block in yielding(rule_set.blocks, yield_turn)]
         self._thresholds = _thresholds(graph)
-        self._arbiters = _arbiters(rule_set, rest)
+        self._arbiters = _arbiters(rule_set, yield_turn)
         self._entries = [
             [
                 (topic, *ranking)
                 for topic in block.topics
                 for ranking in self._arbiters[topic].rankings_of(block.order)
             ]
-            for block in resting(rule_set.blocks, rest)
+            for block in yielding(rule_set.blocks, yield_turn)
         ]
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
@@ -254,7 +254,7 @@ class Evaluator:
         """The last value of each signal. Another thread may ask for them."""
         return {signal: thresholds.value for signal, thresholds in self._thresholds.items()}
 
-    def foresee(self, values: Mapping[Signal, float | None], rest: Rest = no_rest) -> None:
+    def foresee(self, values: Mapping[Signal, float | None], yield_turn: Yield = never_yield) -> None:
         """Compute with ``values`` as what may hold at the ``start``: what turns out to does not cost again.
 
         What remembers the past takes no part.
@@ -263,7 +263,7 @@ class Evaluator:
             thresholds = self._thresholds.get(signal)
             if thresholds is not None and not thresholds.has_latch:
                 self.set(signal, value)
-        self._propagation.settle_joins(rest)
+        self._propagation.settle_joins(yield_turn)
 
     def start(self, now_ns: int) -> None:
         """Have the time begin at ``now_ns``, in place of when this was made: nothing has happened yet."""
@@ -272,9 +272,9 @@ class Evaluator:
         self._turned_recordings = []
         self._has_started_to_record = False
 
-    def dismantle(self, rest: Rest = no_rest) -> None:
+    def dismantle(self, yield_turn: Yield = never_yield) -> None:
         """Let go of every part, piece by piece: what holds each other is else freed in one long stop."""
-        self._graph.dismantle(rest)
+        self._graph.dismantle(yield_turn)
         del self._propagation
 
     def restore_history(self, before: Evaluator) -> None:
@@ -395,6 +395,6 @@ def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
     return {signal: Thresholds(found) for signal, found in leaves.items()}
 
 
-def _arbiters(rule_set: RuleSet, rest: Rest) -> dict[str, TopicArbiter]:
-    blocks = rule_set.blocks_by_topic(rest)
+def _arbiters(rule_set: RuleSet, yield_turn: Yield) -> dict[str, TopicArbiter]:
+    blocks = rule_set.blocks_by_topic(yield_turn)
     return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

@@ -11,7 +11,7 @@ from heapq import heappop, heappush
 from typing import TypeVar
 
 from smarttestudo.domain.signal import Signal
-from smarttestudo.domain.timing import AlarmClock, Rest
+from smarttestudo.domain.timing import AlarmClock, Yield
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator.literal import (
     FALSE,
@@ -48,10 +48,10 @@ class Graph:
         """All groups of literals."""
         return self._groups.values()
 
-    def dismantle(self, rest: Rest) -> None:
+    def dismantle(self, yield_turn: Yield) -> None:
         """Cut what holds each other."""
         while self.nodes:
-            rest()
+            yield_turn()
             for literal in self.nodes.pop().literals:
                 literal.dismantle()
 
@@ -206,10 +206,10 @@ class Propagation:
             elif isinstance(node, TimeWindow):
                 self._settle(node)
 
-    def settle_joins(self, rest: Rest) -> None:
+    def settle_joins(self, yield_turn: Yield) -> None:
         """Bring all queued joins up to date; windows wait for the next ``advance``."""
         while self._queue:
-            rest()
+            yield_turn()
             node = self._nodes[heappop(self._queue)]
             if isinstance(node, Join):
                 self._update(node)

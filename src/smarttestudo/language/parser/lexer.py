@@ -114,7 +114,7 @@ _WORD, _CHECK_VALUE = TokenKind.WORD, TokenKind.CHECK_VALUE
 _BEFORE_TOPIC = frozenset({TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, _CHECK_VALUE})
 
 
-def told_apart(tokens: Sequence[Token]) -> list[Token]:
+def without_glue(tokens: Sequence[Token]) -> list[Token]:
     """``tokens`` with glued keywords apart, except in the name of a topic or property.
 
     A keyword between a check's topic and its comparison is a property.
@@ -235,7 +235,7 @@ def tokenize(text: str) -> list[Token]:
     tokens.append(
         Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
     )
-    return told_apart(tokens)
+    return without_glue(tokens)
 
 
 def _put_beside(tokens: list[Token], comment: Comment) -> None:

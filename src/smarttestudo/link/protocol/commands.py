@@ -110,7 +110,7 @@ class CommandSender:
         self._sender = new_sender()
         self._streams: dict[str, tuple[int, AcceptedStream]] = {}
         self._clock = ClockBound()
-        self._heard_ns: int | None = None
+        self._received_ns: int | None = None
         self._named_ns: int | None = None
         self._waiting: dict[tuple[str, Hashable], _Waiting] = {}
         self._number = 0
@@ -133,7 +133,7 @@ class CommandSender:
 
     def is_present(self, now_ns: int) -> bool:
         """Whether the robot's end was heard lately."""
-        return self._heard_ns is not None and now_ns - self._heard_ns <= LOST_AFTER_NS
+        return self._received_ns is not None and now_ns - self._received_ns <= LOST_AFTER_NS
 
     def handle_report(self, data: bytes, now_ns: int) -> None:
         """The robot's end says what it has."""
@@ -142,7 +142,7 @@ class CommandSender:
         except LinkError:
             self.malformed += 1
             return
-        self._heard_ns = now_ns
+        self._received_ns = now_ns
         self._clock.add(report.sent_ns, now_ns)
         if report.streams:
             self._streams = {one.topic.topic: (number, one) for number, one in enumerate(report.streams)}
@@ -296,7 +296,7 @@ class _Topic:
 class _Sender:
     """An operator's end."""
 
-    heard_ns: int
+    last_ns: int
     number: int = 0
     names: tuple[str, ...] | None = None
 
@@ -363,7 +363,7 @@ class CommandReceiver:
         return [
             sender.names
             for sender in self._senders.values()
-            if sender.names is not None and now_ns - sender.heard_ns <= _FORGET_NS
+            if sender.names is not None and now_ns - sender.last_ns <= _FORGET_NS
         ]
 
     @property
@@ -409,11 +409,11 @@ class CommandReceiver:
         sender = self._senders.get(number)
         if sender is None:
             if len(self._senders) >= MAX_SENDERS:
-                del self._senders[min(self._senders, key=lambda one: self._senders[one].heard_ns)]
+                del self._senders[min(self._senders, key=lambda one: self._senders[one].last_ns)]
             sender = self._senders[number] = _Sender(now_ns)
             # Who has just come wants to know the topics.
             self._reported = ()
-        sender.heard_ns = now_ns
+        sender.last_ns = now_ns
         return sender
 
 

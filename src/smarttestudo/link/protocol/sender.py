@@ -40,7 +40,7 @@ _Request = TypeVar("_Request")
 
 @dataclass(slots=True)
 class _Receiver:
-    heard_ns: int
+    last_ns: int
     predicts: frozenset[str]
 
 
@@ -64,7 +64,7 @@ class Receivers:
                 return False
             has_joined = bool(self._known)
             known = self._known[report.receiver] = _Receiver(now_ns, frozenset())
-        known.heard_ns = now_ns
+        known.last_ns = now_ns
         known.predicts = report.predicts or known.predicts
         return has_joined
 
@@ -85,7 +85,7 @@ class Receivers:
 
     def _forget_lost(self, now_ns: int) -> None:
         self._known = {
-            number: one for number, one in self._known.items() if now_ns - one.heard_ns <= self._lost_after_ns
+            number: one for number, one in self._known.items() if now_ns - one.last_ns <= self._lost_after_ns
         }
 
 
@@ -120,7 +120,7 @@ class LinkSender(Generic[_Request]):
         self._receiver: int | None = None
         self._served_receiver: int | None = None
         """The receiver of the last session, though its connection may be cut."""
-        self._heard_ns = 0
+        self._received_ns = 0
         self._reported_ns = 0
         """When any receiver reported last."""
         self._restarted_ns = 0
@@ -216,7 +216,7 @@ class LinkSender(Generic[_Request]):
         has_joined = self._receivers.handle(report, now_ns)
         if has_joined:
             self._introduce(now_ns)
-        is_silent = self._receiver is None or now_ns - self._heard_ns > LOST_AFTER_NS
+        is_silent = self._receiver is None or now_ns - self._received_ns > LOST_AFTER_NS
         if report.receiver == self._receiver or is_silent:
             self._serve(report, now_ns)
         elif report.received.is_cut and self._may_restart(report.received, now_ns):
@@ -268,7 +268,7 @@ class LinkSender(Generic[_Request]):
         if must_restart and is_served:
             self._learn_of_cut(received, now_ns)
         self._receiver = self._served_receiver = report.receiver
-        self._heard_ns = now_ns
+        self._received_ns = now_ns
         self.scheduler.open_until_ns = now_ns + LOST_AFTER_NS
         if self.scheduler.session < received.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
@@ -309,7 +309,7 @@ class LinkSender(Generic[_Request]):
     def _learn_of_cut(self, received: Acknowledgement, now_ns: int) -> None:
         """A receiver whose connection was cut is back, and knows what had arrived by then."""
         if self._receiver is None:
-            self._outages += now_ns - self._heard_ns > self.scheduler.stalled_after_ns
+            self._outages += now_ns - self._received_ns > self.scheduler.stalled_after_ns
         is_newest = received.session == self.scheduler.session
         if is_newest and received.received_bytes <= self.scheduler.window.sent_bytes:
             self._outbox.acknowledge(received)

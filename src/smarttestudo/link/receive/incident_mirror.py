@@ -70,18 +70,18 @@ class _Turn:
 
     def __init__(self, steady_s: Callable[[], float]) -> None:
         self._steady_s = steady_s
-        self._began_s = self._came_s = steady_s()
+        self._began_s = self._progress_s = steady_s()
         self._got_bytes = 0
         self.waits_for = "the robot's answers"
 
     def note(self, progress: FetchProgress) -> None:
         if progress.got_bytes > self._got_bytes:
-            self._got_bytes, self._came_s = progress.got_bytes, self._steady_s()
+            self._got_bytes, self._progress_s = progress.got_bytes, self._steady_s()
         self.waits_for = progress.waits_for or self.waits_for
 
     @property
     def is_stalled(self) -> bool:
-        return self._steady_s() - self._came_s >= STALLED_AFTER_S
+        return self._steady_s() - self._progress_s >= STALLED_AFTER_S
 
     @property
     def is_long(self) -> bool:
@@ -114,7 +114,7 @@ class IncidentMirror:
         self._worker = Worker("link-mirror", lambda error: warn(said(error)), self.poll)
         self._backoff_polls: dict[tuple[str, str], int] = {}
         self._there: frozenset[str] = frozenset()
-        self._came_s: dict[str, float] = {}
+        self._present_since_s: dict[str, float] = {}
         self._has_more = False
 
     @contextmanager
@@ -130,7 +130,7 @@ class IncidentMirror:
         """Fetch what there is now; after how many seconds to poll again."""
         before, self._there = self._there, frozenset(self._incidents.robots(0))
         now_s = self._steady_s()
-        self._came_s = {robot: self._came_s.get(robot, now_s) for robot in self._there}
+        self._present_since_s = {robot: self._present_since_s.get(robot, now_s) for robot in self._there}
         self._backoff_polls = {
             (robot, name): polls - 1
             for (robot, name), polls in self._backoff_polls.items()
@@ -175,7 +175,7 @@ class IncidentMirror:
 
     def _may_start(self, robot: str, error: Exception) -> bool:
         """Whether ``error`` may come of a run that is still starting."""
-        is_new = self._steady_s() - self._came_s[robot] < STARTS_WITHIN_S
+        is_new = self._steady_s() - self._present_since_s[robot] < STARTS_WITHIN_S
         return is_new and isinstance(error, SilentRobotError)
 
     def _back_off(self, robot: str, name: str, why: str) -> None:

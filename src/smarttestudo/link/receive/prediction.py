@@ -168,9 +168,9 @@ class Predictor:
             )
 
     def _period_ns(self, robot: str, topic: str) -> int:
-        told_hz = self._source_hz(robot, topic)
+        declared_hz = self._source_hz(robot, topic)
         # A stranger's number may be NaN, which is not at least anything.
-        source_hz = told_hz if told_hz is not None and told_hz >= LEAST_HZ else SOURCE_HZ
+        source_hz = declared_hz if declared_hz is not None and declared_hz >= LEAST_HZ else SOURCE_HZ
         return round(NS_PER_S / min(source_hz, MOST_HZ))
 
 

@@ -155,8 +155,8 @@ class ReceptionMetrics:
         while len(self._counts) > MAX_BOOTS:
             del self._counts[next(iter(self._counts))]
         connected = {robot for robot, known in reception.robots.items() if known.boots}
-        heard = self._statuses.statuses().items()
-        statuses = islice(((robot, status) for robot, status in heard if robot in connected), MAX_ROBOTS)
+        received = self._statuses.statuses().items()
+        statuses = islice(((robot, status) for robot, status in received if robot in connected), MAX_ROBOTS)
         self._last = [*self._of_reception(reception, end), *status_metrics(dict(statuses))]
 
     def _of_reception(self, reception: Reception, end: OperatorEnd) -> Iterator[Metric]:

@@ -205,8 +205,8 @@ class SourceState:
     """
 
     __slots__ = (
+        "_has_message",
         "_has_publishers",
-        "_is_heard",
         "_period",
         "_stale_after_ns",
         "_start_ns",
@@ -217,7 +217,7 @@ class SourceState:
         self._start_ns = start_ns
         self._stale_after_ns = stale_after_ns
         self._period = SourcePeriod()
-        self._is_heard = False
+        self._has_message = False
         self._has_publishers = True
         self._transient_local = False
 
@@ -225,18 +225,18 @@ class SourceState:
         """Take over what ``before`` knows of the source."""
         self._start_ns = before._start_ns
         self._period = before._period
-        self._is_heard = before._is_heard
+        self._has_message = before._has_message
         self._has_publishers = before._has_publishers
         self._transient_local = before._transient_local
 
     def record(self, now_ns: int) -> None:
         self._period.record(now_ns)
-        self._is_heard = True
+        self._has_message = True
 
     def change(self, change: SourceChanged) -> None:
         """Take a change of the publishers."""
         self._has_publishers = change.publishers > 0
-        self._is_heard = self._is_heard and self._has_publishers
+        self._has_message = self._has_message and self._has_publishers
         self._transient_local = change.transient_local
 
     @property
@@ -246,7 +246,7 @@ class SourceState:
 
     def is_fresh(self, now_ns: int) -> bool:
         """Whether the values of the last message still count."""
-        if not (self._is_heard and self._has_publishers):
+        if not (self._has_message and self._has_publishers):
             return False
         stale_from_ns = self.stale_from_ns
         return stale_from_ns is None or now_ns < stale_from_ns

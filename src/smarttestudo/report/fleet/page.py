@@ -193,7 +193,7 @@ def _steps(values: Sequence[float]) -> Series:
 
 def _stretches(totals: FleetTotals, columns: Sequence[TrendColumn]) -> tuple[ChartStretch, ...]:
     return tuple(
-        ChartStretch(label=_label(totals, columns, number), meaning=_told(totals, column))
+        ChartStretch(label=_label(totals, columns, number), meaning=_meaning(totals, column))
         for number, column in enumerate(columns)
     )
 
@@ -212,7 +212,7 @@ def _when(column: TrendColumn) -> str:
     return column.first if column.first == column.last else f"{column.first} to {column.last}"
 
 
-def _told(totals: FleetTotals, column: TrendColumn) -> str:
+def _meaning(totals: FleetTotals, column: TrendColumn) -> str:
     sums = column.total
     parts = [
         counted(sums.recordings, "recording"),
@@ -293,14 +293,14 @@ def _parts(report: FleetReport) -> Iterator[Markup]:
 
 def _opening(report: FleetReport) -> Markup:
     totals = report.totals
-    told: list[Child] = [" ".join(_worst_sentences(totals))]
+    words: list[Child] = [" ".join(_worst_sentences(totals))]
     if totals.failures.count:
-        told += [" ", tag("a", "What could not be read, and what helps.", href=f"#{_UNREADABLE}")]
+        words += [" ", tag("a", "What could not be read, and what helps.", href=f"#{_UNREADABLE}")]
     return tag(
         "header",
         tag("h1", report.title, class_="words"),
         tag("p", kept_together(sentence(totals)), class_="lead"),
-        tag("p", *told, class_="explanation words"),
+        tag("p", *words, class_="explanation words"),
         *([_bars(totals)] if totals.are_pairs else []),
     )
 

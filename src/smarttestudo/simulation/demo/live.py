@@ -33,37 +33,37 @@ def recorded(
     folder: Path,
     channels: Iterable[Channel],
     declared_bytes: Mapping[str, int],
-    heard_as: Callable[[str], str] = str,
+    subscribed_as: Callable[[str], str] = str,
 ) -> Iterator[Mapping[str, Subscription]]:
     """Record the topics of ``channels`` into a new recording ``folder`` while the block handles messages.
 
-    They are recorded by their own name, and heard by that which ``heard_as`` makes of it. Stamps are the
-    node's time at which messages came. The block is given the subscriptions by topic.
+    They are recorded by their own name, and subscribed to by the name that ``subscribed_as`` gives. Stamps
+    are the node's time at which messages arrived. The block is given the subscriptions by topic.
 
     Raises:
         RecordingError: it cannot be written.
         RosError: a topic cannot be received.
     """
     with create_recording(folder, declared_bytes=declared_bytes) as recording, ExitStack() as subscriptions:
-        heard: dict[str, Subscription] = {}
+        subscribed: dict[str, Subscription] = {}
         for channel in channels:
             recording.add(channel)
-            heard[channel.topic] = _heard(robot, channel, heard_as(channel.topic), recording)
-            subscriptions.callback(heard[channel.topic].close)
-        yield heard
+            subscribed[channel.topic] = _subscribed(robot, channel, subscribed_as(channel.topic), recording)
+            subscriptions.callback(subscribed[channel.topic].close)
+        yield subscribed
 
 
-def lost_lines(folder: Path, heard: Mapping[str, Subscription]) -> list[str]:
+def lost_lines(folder: Path, subscribed: Mapping[str, Subscription]) -> list[str]:
     """Messages that the recording ``folder`` lacks of those sent to it, a line for each topic."""
     return [
         f"{folder.name}: {grouped(one.dropped)} of {grouped(one.sent)} messages of {topic} "
         "were lost on their way"
-        for topic, one in heard.items()
+        for topic, one in subscribed.items()
         if one.dropped and one.sent
     ]
 
 
-def _heard(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Subscription:
+def _subscribed(robot: Robot, channel: Channel, topic: str, recording: RecordingWriter) -> Subscription:
     def receive(payload: Payload, _publisher: Hashable) -> None:
         recording.write(channel, robot.now_ns(), payload[:])
 
