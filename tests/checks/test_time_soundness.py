@@ -72,7 +72,7 @@ def assert_sound(model: RuleModel, history: list[Sample]) -> None:
             setting = [state[branch.order] for branch in model.branches if topic in branch.settings]
             assert True in setting or None in setting
     for check in model.checks:
-        seen = set(truths(check.check, history))
+        seen = set(truths(check.syntax, history))
         truth = check_truth(check, model.context.domain(check.signal))
         assert truth is not Truth.FALSE or True not in seen
         assert truth is not Truth.TRUE or False not in seen

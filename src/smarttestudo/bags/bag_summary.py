@@ -112,7 +112,7 @@ class BagSummary:
 
     def over(self, duration_s: float) -> BagSummary:
         """The same with bandwidths over ``duration_s``."""
-        topics = (replace(one, statistics=one.statistics.over(duration_s)) for one in self.topics)
+        topics = (replace(topic, statistics=topic.statistics.over(duration_s)) for topic in self.topics)
         return replace(self, topics=tuple(topics))
 
     def only(self, names: Collection[str | None]) -> BagSummary:

@@ -30,7 +30,7 @@ def content_notices(folder: Path, record: IncidentRecord) -> Iterator[str]:
                 messages[channel.topic] += 1
                 size_bytes[channel.topic] += len(payload)
             # An incident may hold none; how many there should be says its record.
-            yield from (one for one in recording.notices() if not one.endswith(HOLDS_NOTHING))
+            yield from (notice for notice in recording.notices() if not notice.endswith(HOLDS_NOTHING))
     except RecordingError as error:
         yield f"the recording cannot be read: {error}"
         return

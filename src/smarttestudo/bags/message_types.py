@@ -103,15 +103,15 @@ def observed_values(
     }
 
 
-def _observed_values(signal: Signal, one: _Observed, type_name: str, reason: str) -> ObservedValues:
-    if one.greatest > -math.inf:
-        return ObservedValues(greatest=one.greatest)
-    if not one.messages:
+def _observed_values(signal: Signal, observed: _Observed, type_name: str, reason: str) -> ObservedValues:
+    if observed.greatest > -math.inf:
+        return ObservedValues(greatest=observed.greatest)
+    if not observed.messages:
         return ObservedValues(why="it holds no message of it")
-    messages = counted(one.messages, "message")
-    if one.without is None:
+    messages = counted(observed.messages, "message")
+    if observed.without is None:
         return ObservedValues(why=f"none of its {messages} can be decoded{reason}")
-    why, close = _lacks(one.without, signal.property, type_name)
+    why, close = _lacks(observed.without, signal.property, type_name)
     return ObservedValues(why=why or f"it is unknown in all of its {messages}", close=close)
 
 
@@ -142,4 +142,4 @@ def _lacks(message: object, name: str, type_name: str) -> tuple[str, str | None]
 def _fields(value: object) -> list[str]:
     if not dataclasses.is_dataclass(value):
         return []
-    return [one.name for one in dataclasses.fields(value) if not one.name.startswith("_")]
+    return [field.name for field in dataclasses.fields(value) if not field.name.startswith("_")]

@@ -173,7 +173,7 @@ class BestPlaces:
 
     @property
     def _best(self) -> PathReader:
-        return next((one for one in self._readers if one.frame == _MAP_FRAME), self._usual)
+        return next((reader for reader in self._readers if reader.frame == _MAP_FRAME), self._usual)
 
 
 class TransformPlaces:
@@ -277,7 +277,7 @@ def places_in(
     ]
     readers: list[PathReader] = [*poses]
     if odometry:
-        usual = next(one for one in readers if one.source == odometry[0].topic)
+        usual = next(reader for reader in readers if reader.source == odometry[0].topic)
     elif transforms:
         usual = TransformPlaces(transforms, decoder, start_ns)
         readers.append(usual)

@@ -33,14 +33,14 @@ def topic_twice(rules: RuleModel) -> Iterator[Found]:
                 yield _repeated(one, earlier, "Else" if branch.is_else else "Then")
 
 
-def _repeated(one: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
-    is_same = one.rate is not None and one.rate == earlier.rate
+def _repeated(rate: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:
+    is_same = rate.rate is not None and rate.rate == earlier.rate
     return Found(
-        path=one.path,
-        span=one.span,
-        message=f"{one.topic} is already set at line {earlier.span.line} of this {side}",
+        path=rate.path,
+        span=rate.span,
+        message=f"{rate.topic} is already set at line {earlier.span.line} of this {side}",
         hint="keep one of the two",
-        fix=Fix(span=one.span, replacement="", title="remove the repeated statement") if is_same else None,
+        fix=Fix(span=rate.span, replacement="", title="remove the repeated statement") if is_same else None,
     )
 
 
@@ -163,13 +163,13 @@ def rate_without_effect(rules: RuleModel) -> Iterator[Found]:
             yield from map(_redundant_rate, of_branch)
 
 
-def _redundant_rate(one: RedundantRate) -> Found:
-    setting = one.setting
+def _redundant_rate(rate: RedundantRate) -> Found:
+    setting = rate.setting
     return Found(
         path=setting.path,
         span=setting.span,
         message=f"{setting.topic} is {setting.rate} without this as well, by the default "
-        f"({_default_place(one)})",
+        f"({_default_place(rate)})",
         hint="remove it, or set another rate",
         fix=Fix(span=setting.span, replacement="", title="remove the rate without effect"),
     )
@@ -177,7 +177,9 @@ def _redundant_rate(one: RedundantRate) -> Found:
 
 def _redundant_branch(rates: Sequence[RedundantRate]) -> Found:
     branch = rates[0].branch
-    same = [f"{one.setting.topic} is {one.setting.rate} by default ({_default_place(one)})" for one in rates]
+    same = [
+        f"{rate.setting.topic} is {rate.setting.rate} by default ({_default_place(rate)})" for rate in rates
+    ]
     return Found(
         path=branch.block.path,
         span=branch.written[0].span.to(branch.written[-1].span),
@@ -186,8 +188,8 @@ def _redundant_branch(rates: Sequence[RedundantRate]) -> Found:
     )
 
 
-def _default_place(one: RedundantRate) -> str:
-    return wording.place(one.default.path, one.default.span, seen_from=one.setting.path)
+def _default_place(rate: RedundantRate) -> str:
+    return wording.place(rate.default.path, rate.default.span, seen_from=rate.setting.path)
 
 
 @lint_rule("block-disabled", Severity.INFO)
@@ -197,12 +199,12 @@ def block_disabled(rules: RuleModel) -> Iterator[Found]:
     It is read and kept, and its names are checked, but no rate, bound or recording comes from it. Whoever
     counts on the block should know.
     """
-    for one in rules.disabled.blocks:
-        whole = one.block.span
+    for block in rules.disabled.blocks:
+        whole = block.block.span
         end = whole.column + len(TokenKind.DISABLED.value)
         yield Found(
-            path=one.path,
+            path=block.path,
             span=Span(whole.line, whole.column, whole.line, end),
-            message=f"{wording.sentence(wording.block_name(one.block))} is switched off",
+            message=f"{wording.sentence(wording.block_name(block.block))} is switched off",
             hint="it changes no rate, whatever holds; delete 'Disabled' to switch it on",
         )

@@ -29,10 +29,10 @@ def unknown_bound(rules: RuleModel) -> Iterator[Found]:
     saves nothing. Types come from the profile or a recording, as for checks.
     """
     doubt_of = cache(partial(doubt_about, context=rules.context, named=accuracy_properties_of))
-    for one in (*rules.bounds, *rules.disabled.bounds):
-        doubt = _no_picture(one.signal) or doubt_of(one.signal) or _no_number(one.signal, rules)
+    for bound in (*rules.bounds, *rules.disabled.bounds):
+        doubt = _no_picture(bound.signal) or doubt_of(bound.signal) or _no_number(bound.signal, rules)
         if doubt is not None:
-            yield found_in(one.path, one.statement.property_span, doubt)
+            yield found_in(bound.path, bound.statement.property_span, doubt)
 
 
 def _no_picture(signal: Signal) -> Doubt | None:
@@ -70,8 +70,8 @@ def bound_in_rules_only(rules: RuleModel) -> Iterator[Found]:
     bound outside the rules the tightest of those that may hold counts.
     """
     first: dict[str, ResolvedBound] = {}
-    for one in rules.bounds:
-        first.setdefault(one.topic, one)
+    for bound in rules.bounds:
+        first.setdefault(bound.topic, bound)
     for topic in rules.bound_in_rules_only:
         default = rules.defaults.get(topic)
         if default is not None and not (default.rate is not None and default.rate.is_off):
@@ -121,16 +121,16 @@ def bound_twice(rules: RuleModel) -> Iterator[Found]:
     The tighter bound counts, and the other one is never used: who changes that one later changes nothing.
     """
     first: dict[object, ResolvedBound] = {}
-    for one in rules.bounds:
-        earlier = first.setdefault((one.signal, one.branch), one)
-        if earlier is not one:
+    for bound in rules.bounds:
+        earlier = first.setdefault((bound.signal, bound.branch), bound)
+        if earlier is not bound:
             yield Found(
-                path=one.path,
-                span=one.statement.span,
-                message=f"{one.signal} is already bound at line {earlier.statement.span.line}; the tighter "
-                f"bound{_tightest(earlier, one)} counts",
+                path=bound.path,
+                span=bound.statement.span,
+                message=f"{bound.signal} is already bound at line {earlier.statement.span.line}; the tighter "
+                f"bound{_tightest(earlier, bound)} counts",
                 hint="keep one of the two",
-                fix=_remove_the_looser(earlier, one),
+                fix=_remove_the_looser(earlier, bound),
             )
 
 
@@ -159,19 +159,19 @@ def bound_on_follower(rules: RuleModel) -> Iterator[Found]:
     A topic that is paced with another one passes exactly the stamps that the other passed. Its own
     picture is not looked at, and may be off by more than the bound.
     """
-    for one in rules.bounds:
-        leader = rules.context.topic(one.topic).paced_with
+    for bound in rules.bounds:
+        leader = rules.context.topic(bound.topic).paced_with
         if leader is not None:
             yield Found(
-                path=one.path,
-                span=one.statement.span,
-                message=f"{one.topic} is paced with {leader}, so this bound has no effect",
+                path=bound.path,
+                span=bound.statement.span,
+                message=f"{bound.topic} is paced with {leader}, so this bound has no effect",
                 hint=f"bind {leader}, or remove paced_with from the profile",
                 profile_fix=ProfileFix(
-                    topic=one.topic,
+                    topic=bound.topic,
                     key="paced_with",
                     value=None,
-                    title=f"no longer pace {one.topic} with {leader}",
+                    title=f"no longer pace {bound.topic} with {leader}",
                 ),
             )
 
@@ -187,15 +187,15 @@ def record_too_large(rules: RuleModel) -> Iterator[Found]:
     robot keeps the rest on disk (--incident-ring). Raw images are the usual cause; the compressed topic
     fits.
     """
-    for one in rules.recordings:
-        kb_per_s = _kb_per_s(rules, one)
-        needed_mb = kb_per_s * one.statement.before.ns / NS_PER_S / _KB_PER_MB
+    for recording in rules.recordings:
+        kb_per_s = _kb_per_s(rules, recording)
+        needed_mb = kb_per_s * recording.statement.before.ns / NS_PER_S / _KB_PER_MB
         if needed_mb > DEFAULT_INCIDENT_MEMORY_MB:
             fits_ms = int(1000 * DEFAULT_INCIDENT_MEMORY_MB * _KB_PER_MB / kb_per_s)
             fits = f"{fits_ms // 1000} s" if fits_ms >= 1000 else f"{fits_ms} ms"
             yield Found(
-                path=one.path,
-                span=one.statement.before.span,
+                path=recording.path,
+                span=recording.statement.before.span,
                 message=f"so much before takes {needed_mb:.0f} MB of the {DEFAULT_INCIDENT_MEMORY_MB} MB "
                 "that are kept in memory",
                 hint=f"Before {fits} would fit, or name fewer topics; --incident-memory gives more, "
@@ -203,9 +203,9 @@ def record_too_large(rules: RuleModel) -> Iterator[Found]:
             )
 
 
-def _kb_per_s(rules: RuleModel, one: ResolvedRecord) -> float:
+def _kb_per_s(rules: RuleModel, record: ResolvedRecord) -> float:
     """The KB that its topics bring in a second, as far as the profile knows."""
-    known = (rules.context.topic(topic) for topic in one.topics or rules.mentions)
+    known = (rules.context.topic(topic) for topic in record.topics or rules.mentions)
     return sum((topic.message_kb or 0.0) * (topic.source_hz or 0.0) for topic in known)
 
 
@@ -219,11 +219,11 @@ def record_unpublished(rules: RuleModel) -> Iterator[Found]:
     if profile is None or not profile.topics or rules.context.bag_topics is not None:
         # Topics that a recording lacks are told all at once, see absent-from-bag.
         return
-    for one in rules.recordings:
-        for name, topic in zip(one.statement.topics, one.topics, strict=True):
+    for recording in rules.recordings:
+        for name, topic in zip(recording.statement.topics, recording.topics, strict=True):
             if topic not in profile.topics:
                 yield Found(
-                    path=one.path,
+                    path=recording.path,
                     span=name.span,
                     message=f"the profile has no {topic}, so that its recordings may lack it",
                     hint="is the name misspelt? else measure the profile again",

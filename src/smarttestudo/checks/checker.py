@@ -14,7 +14,9 @@ from smarttestudo.domain.finding import Finding
 from smarttestudo.language.parser.rule_file import ParseResult
 
 _THEMES = (blocks, rates, bounds, topics, conditions)
-LINT_RULES = tuple(one for theme in _THEMES for one in vars(theme).values() if isinstance(one, LintRule))
+LINT_RULES = tuple(
+    member for theme in _THEMES for member in vars(theme).values() if isinstance(member, LintRule)
+)
 """In the order of their modules; of two findings at one place, that of the earlier rule comes first."""
 
 

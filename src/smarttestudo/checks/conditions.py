@@ -46,8 +46,8 @@ def never_a_number(rules: RuleModel) -> Iterator[Found]:
     higher of the rates. With a recording, every message is looked at; else only fields of common types
     are known.
     """
-    for one in rules.checks:
-        signal, observed = one.signal, rules.context.observed.get(one.signal)
+    for check in rules.checks:
+        signal, observed = check.signal, rules.context.observed.get(check.signal)
         if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
             continue
         close = None
@@ -63,7 +63,7 @@ def never_a_number(rules: RuleModel) -> Iterator[Found]:
             hint=did_you_mean(close) if close else "the check stays unknown, and its block never decides",
             close=close,
         )
-        yield found_in(one.path, one.check.property_span, doubt)
+        yield found_in(check.path, check.syntax.property_span, doubt)
 
 
 _BATTERY = "sensor_msgs/msg/BatteryState"
@@ -77,20 +77,20 @@ def share_as_percent(rules: RuleModel) -> Iterator[Found]:
     It always holds, or never. The property level is the same in percent, also of a robot that publishes 0
     to 100.
     """
-    for one in rules.checks:
-        topic, observed = one.signal.topic, rules.context.observed.get(one.signal)
-        is_share = one.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
+    for check in rules.checks:
+        topic, observed = check.signal.topic, rules.context.observed.get(check.signal)
+        is_share = check.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
         is_percent = rules.context.topic(topic).level_unit is LevelUnit.PERCENT
         greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
-        if is_share and not is_percent and one.check.value > 1 and greatest <= 1:
+        if is_share and not is_percent and check.syntax.value > 1 and greatest <= 1:
             is_seen = observed is not None and observed.greatest is not None
             seen = f", and at most {number_text(greatest)} in the recording" if is_seen else ""
             yield Found(
-                path=one.path,
-                span=one.check.property_span,
-                message=f"{check_text(one.check)} is about a number of 0 to 1{seen}",
+                path=check.path,
+                span=check.syntax.property_span,
+                message=f"{check_text(check.syntax)} is about a number of 0 to 1{seen}",
                 hint="level is the same in percent",
-                fix=Fix(span=one.check.property_span, replacement="level", title="write 'level'"),
+                fix=Fix(span=check.syntax.property_span, replacement="level", title="write 'level'"),
             )
 
 
@@ -117,14 +117,14 @@ def check_always_holds(rules: RuleModel) -> Iterator[Found]:
 def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Found]:
     """Checks that are ``truth`` for every value of what they read."""
     spec_of, values_of = cache(rules.context.spec_of), cache(rules.context.domain)
-    for one in rules.checks:
-        spec = spec_of(one.signal)
-        if spec is not None and check_truth(one, values_of(one.signal)) is truth:
+    for check in rules.checks:
+        spec = spec_of(check.signal)
+        if spec is not None and check_truth(check, values_of(check.signal)) is truth:
             yield Found(
-                path=one.path,
-                span=one.check.span,
-                message=f"{check_text(one.check)} {word} holds: {_range_text(spec)}",
-                hint=_remedy_beside_range(one, rules),
+                path=check.path,
+                span=check.syntax.span,
+                message=f"{check_text(check.syntax)} {word} holds: {_range_text(spec)}",
+                hint=_remedy_beside_range(check, rules),
             )
 
 
@@ -137,12 +137,12 @@ def _range_text(spec: PropertySpec) -> str:
     return f"{spec.name} is in {spec.unit}"
 
 
-def _remedy_beside_range(one: ResolvedCheck, rules: RuleModel) -> str:
-    name = one.signal.property
+def _remedy_beside_range(check: ResolvedCheck, rules: RuleModel) -> str:
+    name = check.signal.property
     if ArrivalProperty.named(name):
         return f"a field of the message that is called {name} is written msg.{name}"
-    if rules.context.known_type(one.signal.topic) is None:
-        return f"if {name} is a plain field of {one.signal.topic}, write msg.{name}"
+    if rules.context.known_type(check.signal.topic) is None:
+        return f"if {name} is a plain field of {check.signal.topic}, write msg.{name}"
     return "correct the number"
 
 
@@ -237,23 +237,23 @@ def equals_measured(rules: RuleModel) -> Iterator[Found]:
     A measurement has noise and many digits: it is almost never exactly 3. Counts, states and flags
     (status.status = 2) are fine, and so are rate = 0 and bandwidth = 0.
     """
-    for one in rules.checks:
-        outcome = _EQUALITY_HOLDS.get(one.check.operator)
-        if outcome is not None and _is_continuous(one, rules):
+    for check in rules.checks:
+        outcome = _EQUALITY_HOLDS.get(check.syntax.operator)
+        if outcome is not None and _is_continuous(check, rules):
             yield Found(
-                path=one.path,
-                span=one.check.span,
-                message=f"{one.check.property} is measured: '{one.check.operator.value} {one.check.text}' "
-                f"{outcome} holds",
+                path=check.path,
+                span=check.syntax.span,
+                message=f"{check.signal.property} is measured: "
+                f"'{check.syntax.operator.value} {check.syntax.text}' {outcome} holds",
                 hint="compare with a range, a > below the number and a < above it",
             )
 
 
-def _is_continuous(one: ResolvedCheck, rules: RuleModel) -> bool:
+def _is_continuous(check: ResolvedCheck, rules: RuleModel) -> bool:
     """Whether a property is known to be measured, or the number has a fraction, as no state or count has."""
-    if one.check.value == 0 and ArrivalProperty.named(one.signal.property) in _ZERO_WHEN_SILENT:
+    if check.syntax.value == 0 and ArrivalProperty.named(check.signal.property) in _ZERO_WHEN_SILENT:
         return False
-    return rules.context.is_measured(one.signal) or not one.check.value.is_integer()
+    return rules.context.is_measured(check.signal) or not check.syntax.value.is_integer()
 
 
 def _times(rules: RuleModel) -> Iterator[tuple[ResolvedBlock, Timed]]:
@@ -321,15 +321,15 @@ def until_overlaps(rules: RuleModel) -> Iterator[Found]:
     An Until counts more than the check before it, so that the check does not hold where both are true.
     Mostly a comparison is the wrong way round.
     """
-    for one in rules.checks:
-        if one.latch is None:
+    for check in rules.checks:
+        if check.latch is None:
             continue
-        both = one.region.intersection(one.latch.off).intersection(rules.context.domain(one.signal))
+        both = check.region.intersection(check.latch.off).intersection(rules.context.domain(check.signal))
         if not both.is_empty:
             yield Found(
-                path=one.path,
-                span=one.check.span,
-                message=f"{check_text(one.check)} begins and ends at one value, for instance "
+                path=check.path,
+                span=check.syntax.span,
+                message=f"{check_text(check.syntax)} begins and ends at one value, for instance "
                 f"{number_text(both.sample())}: there it does not hold",
                 hint="let Until name a value on the other side, as in < 20 Until > 25",
             )
@@ -341,12 +341,15 @@ def until_never_ends(rules: RuleModel) -> Iterator[Found]:
 
     Once the check was true, its block holds until the rules are exchanged.
     """
-    for one in rules.checks:
-        if one.latch is not None and one.latch.off.intersection(rules.context.domain(one.signal)).is_empty:
+    for check in rules.checks:
+        if (
+            check.latch is not None
+            and check.latch.off.intersection(rules.context.domain(check.signal)).is_empty
+        ):
             yield Found(
-                path=one.path,
-                span=one.check.span,
-                message=f"{check_text(one.check)} never ends: no value of {one.signal} ends it",
+                path=check.path,
+                span=check.syntax.span,
+                message=f"{check_text(check.syntax)} never ends: no value of {check.signal} ends it",
                 hint="correct the number behind Until",
             )
 

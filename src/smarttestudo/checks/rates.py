@@ -50,7 +50,7 @@ def tier_without_rate(rules: RuleModel) -> Iterator[Found]:
 
 def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
     """Rates among ``rates`` that are tiers."""
-    return ((one, tier) for one in rates if isinstance(tier := one.statement.rate.value, Tier))
+    return ((rate, tier) for rate in rates if isinstance(tier := rate.statement.rate.value, Tier))
 
 
 @lint_rule("two-defaults", Severity.WARNING)
@@ -59,16 +59,16 @@ def two_defaults(rules: RuleModel) -> Iterator[Found]:
 
     Only the last one counts; editing the other one changes nothing.
     """
-    for one in rules.written_defaults:
-        last = rules.defaults[one.topic]
-        if one is not last:
-            where = wording.place(last.path, last.span, seen_from=one.path)
+    for default in rules.written_defaults:
+        last = rules.defaults[default.topic]
+        if default is not last:
+            where = wording.place(last.path, last.span, seen_from=default.path)
             yield Found(
-                path=one.path,
-                span=one.span,
-                message=f"this default of {one.topic} is overridden by that of {where}",
+                path=default.path,
+                span=default.span,
+                message=f"this default of {default.topic} is overridden by that of {where}",
                 hint="the last default counts; remove this one",
-                fix=Fix(span=one.span, replacement="", title="remove the overridden default"),
+                fix=Fix(span=default.span, replacement="", title="remove the overridden default"),
             )
 
 
@@ -173,9 +173,9 @@ def _thinned(rules: RuleModel) -> Iterator[tuple[ResolvedRate, str]]:
             yield first, known_type
 
 
-def _rate_text(one: ResolvedRate) -> str:
-    level = one.statement.rate.value
-    return level.value if isinstance(level, Tier) else str(one.rate)
+def _rate_text(rate: ResolvedRate) -> str:
+    level = rate.statement.rate.value
+    return level.value if isinstance(level, Tier) else str(rate.rate)
 
 
 @lint_rule("video-in-groups", Severity.INFO)

@@ -82,29 +82,29 @@ class RuleModel:
     @property
     def bound_in_rules_only(self) -> Sequence[str]:
         """The topics that have bounds in blocks, and none that holds without a block."""
-        always = {one.topic for one in self.bounds if one.branch is None}
-        return tuple(dict.fromkeys(one.topic for one in self.bounds if one.topic not in always))
+        always = {bound.topic for bound in self.bounds if bound.branch is None}
+        return tuple(dict.fromkeys(bound.topic for bound in self.bounds if bound.topic not in always))
 
 
 def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions."""
     resolve = cache(context.resolve)
     rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
-    blocks = [replace(one, form=merged(over_states(one.form))) for one in rules.blocks]
+    blocks = [replace(block, form=merged(over_states(block.form))) for block in rules.blocks]
     branches = [_over_states(one, blocks[one.block.order]) for one in rules.branches if one.written]
     settings: dict[str, list[ResolvedRate]] = {}
     relayed: dict[str, ResolvedRate | ResolvedFloor] = {}
-    for one in rules.rates:
-        relayed.setdefault(one.topic, one)
-        if isinstance(one, ResolvedRate):
-            settings.setdefault(one.topic, []).append(one)
+    for rate in rules.rates:
+        relayed.setdefault(rate.topic, rate)
+        if isinstance(rate, ResolvedRate):
+            settings.setdefault(rate.topic, []).append(rate)
     return RuleModel(
         context=context,
         settings=settings,
         written_defaults=rules.written_defaults,
         defaults=rules.defaults,
         floors=rules.floors,
-        relayed={**{one.topic: one for one in reversed(rules.bounds)}, **relayed},
+        relayed={**{bound.topic: bound for bound in reversed(rules.bounds)}, **relayed},
         mentions=_mentions(files, resolve),
         checks=_checks(rules),
         blocks=tuple(blocks),

@@ -38,7 +38,7 @@ def unknown_property(rules: RuleModel) -> Iterator[Found]:
     for one in (*rules.checks, *rules.disabled_checks):
         doubt = doubt_of(one.signal)
         if doubt is not None:
-            yield found_in(one.path, one.check.property_span, doubt)
+            yield found_in(one.path, one.syntax.property_span, doubt)
 
 
 @lint_rule("nothing-relayed", Severity.WARNING, needs_all_statements=True)
@@ -179,7 +179,7 @@ def absent_from_profile(rules: RuleModel) -> Iterator[Found]:
     if profile is None or rules.context.bag_topics is not None:
         # What a recording has says more.
         return
-    recorded = {topic for one in rules.recordings for topic in one.topics}
+    recorded = {topic for recording in rules.recordings for topic in recording.topics}
     for topic, mention in rules.mentions.items():
         if topic not in profile.topics and topic not in recorded:
             close = next((one for one in profile.topics if _is_one_letter_off(topic, one)), None)

@@ -77,7 +77,7 @@ def branch_with_place(branch: Branch, *, seen_from: str) -> str:
 
 def places_in(path: str, branches: Iterable[Branch]) -> tuple[Span, ...]:
     """Where the blocks of ``branches`` stand, as far as they are in the file at ``path``."""
-    return tuple(one.block.block.span for one in branches if one.block.path == path)
+    return tuple(branch.block.block.span for branch in branches if branch.block.path == path)
 
 
 def sentence(text: str) -> str:

@@ -109,4 +109,4 @@ class FloorPlan:
 
     def clearance_m(self, point: Point) -> float:
         """From ``point`` to the nearest obstacle; 0 inside one, infinite where there is none."""
-        return min((one.footprint.distance_m(point) for one in self.obstacles), default=math.inf)
+        return min((obstacle.footprint.distance_m(point) for obstacle in self.obstacles), default=math.inf)

@@ -84,9 +84,9 @@ def _metered(kind: Any) -> Iterator[MeteredField]:
         if mark is not None:
             yield MeteredField((entry.name or key,), mark, attrgetter(name))
         inner = _record_in(hint)
-        for one in metered_fields(inner) if inner is not None else ():
-            keys = one.keys if entry.is_merged else (entry.name or key, *one.keys)
-            yield MeteredField(keys, one.mark, _within(name, one.read))
+        for metered_field in metered_fields(inner) if inner is not None else ():
+            keys = metered_field.keys if entry.is_merged else (entry.name or key, *metered_field.keys)
+            yield MeteredField(keys, metered_field.mark, _within(name, metered_field.read))
 
 
 def _typed_names(kind: Any) -> Iterator[tuple[str, str, Any]]:

@@ -144,7 +144,7 @@ def ros_type_name(text: str, serialization_format: str) -> str:
     # Of an action's messages, some may be a service's as well.
     kinds = ("action", "srv", "msg") if len(parts) == 2 else ()
     names = ("/".join(parts), *(f"{parts[0]}/{kind}/{parts[1]}" for kind in kinds))
-    return next((one for one in names if TypeName.read(one)), text)
+    return next((name for name in names if TypeName.read(name)), text)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -144,11 +144,11 @@ def _added_times(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list
 
 def _removed_times(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list[TextEdit] | None:
     staying, found = list(new), []
-    for one in old.times:
-        if staying and _is_same(staying[0], one):
+    for timed in old.times:
+        if staying and _is_same(staying[0], timed):
             staying.pop(0)
             continue
-        at = words.index_at(words.places.range(one.duration.span)[0])
+        at = words.index_at(words.places.range(timed.duration.span)[0])
         removed = _removed(words[at - 2 : at + 2])
         if removed is None:
             return None

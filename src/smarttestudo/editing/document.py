@@ -125,7 +125,7 @@ class Document:
     def entry_at(self, offset: int) -> Entry | None:
         """The statement whose words hold ``offset``."""
         entries = self.entries
-        at = bisect_right(entries, offset, key=lambda one: one.token_range.start) - 1
+        at = bisect_right(entries, offset, key=lambda entry: entry.token_range.start) - 1
         return entries[at] if at >= 0 and offset <= entries[at].token_range.end else None
 
     def entry(self, name: str) -> Entry | None:
@@ -155,10 +155,10 @@ def read_document(text: str, path: str) -> Document:
 class _Reader:
     def __init__(self, result: ParseResult, places: LineIndex) -> None:
         self._collections: Mapping[int, Collection] = {
-            places.range(one.span)[0]: one for one in reversed(result.file.collections)
+            places.range(collection.span)[0]: collection for collection in reversed(result.file.collections)
         }
         broken = broken_places(result, places)
-        ranges = ((places.range(one.span), one) for one in result.file.statements)
+        ranges = ((places.range(statement.span), statement) for statement in result.file.statements)
         self._statements: Mapping[int, tuple[int, Statement | None]] = {
             start: (end, None if _is_any_between(broken, start, end) else one) for (start, end), one in ranges
         }

@@ -132,7 +132,7 @@ def _copied(document: Document, entry: Entry) -> str:
 
 def _free_name(document: Document, name: str) -> str:
     """``name`` with the first number behind it, from 2 on, that no rule's name has."""
-    taken = {one.statement.name for one in document.entries if isinstance(one.statement, Block)}
+    taken = {entry.statement.name for entry in document.entries if isinstance(entry.statement, Block)}
     stem = _NUMBERED.sub("", name)
     return next(free for number in count(2) if (free := f"{stem} {number}") not in taken)
 
@@ -184,7 +184,7 @@ def _require_sayable(new: NewStatement) -> None:
     if result.findings:
         first = result.findings[0]
         raise EditError(first.message, place=first.code, remedy=first.hint or None)
-    if [meaning(one) for one in result.file.statements] != [meaning(new.content)]:
+    if [meaning(statement) for statement in result.file.statements] != [meaning(new.content)]:
         raise EditError("a rule file cannot say this statement", remedy="write it as text")
 
 

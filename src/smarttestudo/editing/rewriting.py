@@ -74,8 +74,8 @@ def with_comments_preserved(old: Condition, new: Condition, *, beside: Comment |
         kept = with_comments_preserved(old.operand, inner, beside=beside)
         return replace(new, operand=kept) if isinstance(new, Timed) else kept
     checks: dict[Meaning, deque[Check]] = defaultdict(deque)
-    for one in checks_in(old):
-        checks[condition_meaning(one)].append(_without(one, beside))
+    for check in checks_in(old):
+        checks[condition_meaning(check)].append(_without(check, beside))
     found = _with_checks(new, checks)
     if isinstance(old, Group) and isinstance(found, And | Or):
         found = Group(operand=found, span=found.span)
@@ -102,7 +102,7 @@ def _with_checks(condition: Condition, checks: Mapping[Meaning, deque[Check]]) -
         case Not() | Group() | Timed():
             return replace(condition, operand=_with_checks(condition.operand, checks))
         case And() | Or():
-            operands = tuple(_with_checks(one, checks) for one in condition.operands)
+            operands = tuple(_with_checks(operand, checks) for operand in condition.operands)
             return replace(condition, operands=operands)
 
 
@@ -210,7 +210,7 @@ def _record(old: RecordIncident, new: RecordIncident, words: TokenRange) -> list
     durations = ((old.before, new.before), (old.after, new.after))
     return [
         *changed_words(first, changes, words),
-        *_more_topics(words[first + _NAME :], len(old.topics), [one.text for one in new.topics]),
+        *_more_topics(words[first + _NAME :], len(old.topics), [topic.text for topic in new.topics]),
         *(
             TextEdit(*words.places.range(before.span), duration_text(after))
             for before, after in durations

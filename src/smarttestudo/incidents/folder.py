@@ -85,7 +85,7 @@ def as_if_killed(record: IncidentRecord) -> IncidentRecord:
 def make_reserve(folder: Path, channels: Mapping[str, StoredChannel]) -> None:
     """Reserve room on the disk for the end of a recording in ``folder``. Raises ``OSError``."""
     # Topics may join meanwhile, on another thread.
-    size_bytes = RESERVE_BYTES + sum(len(one.definition) for one in list(channels.values()))
+    size_bytes = RESERVE_BYTES + sum(len(channel.definition) for channel in list(channels.values()))
     file = os.open(folder / RESERVE_NAME, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o644)
     try:
         if hasattr(os, "posix_fallocate"):
@@ -125,7 +125,7 @@ def finished_record(
     for content in files.values():
         messages.update(content.messages)
         size_bytes.update(content.size_bytes)
-    of_files = {one.topic: one for content in files.values() for one in content.channels}
+    of_files = {channel.topic: channel for content in files.values() for channel in content.channels}
     return record_holding(record, messages, size_bytes, {**channels, **of_files})
 
 
@@ -156,7 +156,11 @@ def finish_folder(
     channels: Mapping[str, StoredChannel],
 ) -> None:
     """Write what names the files of a bag, and the record. Raises ``OutputFileError``."""
-    listed = {(one.topic, one.type_name): one for content in files.values() for one in content.channels}
+    listed = {
+        (channel.topic, channel.type_name): channel
+        for content in files.values()
+        for channel in content.channels
+    }
     listed_topics = {one.topic for one in listed.values()}
     listed |= {
         (topic, ""): channels[topic]
@@ -250,7 +254,7 @@ def _why_unended(record: IncidentRecord, *, has_reserve: bool) -> MissingReason 
 
     A run that ends by itself gives up the reserve, and then its disk did not take the end.
     """
-    if any(one.type_name for one in record.topics.values()):
+    if any(topic.type_name for topic in record.topics.values()):
         return None
     reasons = {one.reason for one in record.missing}
     if reasons == {MissingReason.KILLED}:

@@ -279,7 +279,7 @@ class IncidentRecorder:
 
     def _note_open(self, windows: Sequence[_Window]) -> None:
         self._open = windows
-        self.open_topics = frozenset().union(*(one.topics for one in windows))
+        self.open_topics = frozenset().union(*(window.topics for window in windows))
 
     def _may_be_latched(self, topic: str) -> bool:
         return topic in self._named or holds_static_frames(topic)
@@ -430,8 +430,10 @@ class IncidentRecorder:
 def _recording_now(incident: Incident, rule_set: RuleSet) -> RecordRequest | None:
     """The recording of an incident in other rules, if its rule is written there as it was."""
     former, form = replace(incident.recording, line=0), written(incident.trigger.block)
-    recordings = (one for block in rule_set.blocks if written(block) == form for one in block.recordings)
-    return next((one for one in recordings if replace(one, line=0) == former), None)
+    recordings = (
+        recording for block in rule_set.blocks if written(block) == form for recording in block.recordings
+    )
+    return next((recording for recording in recordings if replace(recording, line=0) == former), None)
 
 
 def _block_bytes(memory_bytes: int) -> int:

@@ -105,7 +105,7 @@ class IncidentStore:
         """Size in bytes of an incident's files, whether its record can be read or not."""
         path = self._path(name)
         with errors_at(path):
-            return sum(one.lstat().st_size for one in _files(path))
+            return sum(file.lstat().st_size for file in _files(path))
 
     def files(self, name: str) -> list[Path]:
         """The files of an incident, by name."""
@@ -128,8 +128,8 @@ class IncidentStore:
             with temporary_folder(target.parent, suffix=PARTIAL_SUFFIX) as workshop:
                 copies = workshop / target.name
                 copies.mkdir()
-                for one in files:
-                    shutil.copyfile(one, copies / one.name, follow_symlinks=False)
+                for file in files:
+                    shutil.copyfile(file, copies / file.name, follow_symlinks=False)
                 copies.rename(target)
         return len(files)
 
@@ -240,7 +240,7 @@ def _is_folder(path: Path) -> bool:
 def _files(path: Path) -> Iterator[Path]:
     """The files in a folder; an incident has no folders in it, and a link or a mark is none of its files."""
     files = (one for one in sorted(path.iterdir()) if stat.S_ISREG(one.lstat().st_mode))
-    return (one for one in files if one.name != READ_NAME)
+    return (file for file in files if file.name != READ_NAME)
 
 
 _FileKey = tuple[int, int]
@@ -296,17 +296,17 @@ def make_room(folder: Path, max_bytes: int, newest: str | None = None) -> Iterat
         taken = sum(sizes.values())
         incidents.sort(key=lambda one: (one.path.name == newest, one.written_ns))
         # The newest stays: it is what just happened.
-        for one in sorted(incidents[:-1], key=lambda one: not one.is_read):
+        for incident in sorted(incidents[:-1], key=lambda incident: not incident.is_read):
             if taken <= max_bytes:
                 return
             try:
-                remove_incident(one.path)
+                remove_incident(incident.path)
             except RecordingError as error:
-                yield RemovedIncident(name=one.path.name, was_read=one.is_read, problem=error)
+                yield RemovedIncident(name=incident.path.name, was_read=incident.is_read, problem=error)
                 continue
-            holders.subtract(one.files.keys())
-            taken -= sum(size for key, size in one.files.items() if not holders[key])
-            yield RemovedIncident(name=one.path.name, was_read=one.is_read)
+            holders.subtract(incident.files.keys())
+            taken -= sum(size for key, size in incident.files.items() if not holders[key])
+            yield RemovedIncident(name=incident.path.name, was_read=incident.is_read)
     except OSError as error:
         raise not_written(folder, "room for more incidents", error) from error
 

@@ -98,7 +98,7 @@ class ResolvedCheck:
 
     path: str
     signal: Signal
-    check: Check
+    syntax: Check
     region: Region
     latch: LastSeen | None
 
@@ -167,7 +167,7 @@ class ResolvedRules:
     @property
     def defaults(self) -> Mapping[str, ResolvedRate]:
         """The defaults that count, the last of each topic."""
-        return {one.topic: one for one in self.written_defaults}
+        return {default.topic: default for default in self.written_defaults}
 
     @property
     def floors_hz(self) -> Mapping[str, float]:
@@ -177,16 +177,16 @@ class ResolvedRules:
     @property
     def always_bounds(self) -> Sequence[ResolvedBound]:
         """The bounds outside blocks, which always hold."""
-        return [one for one in self.bounds if one.branch is None]
+        return [bound for bound in self.bounds if bound.branch is None]
 
 
 def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False) -> ResolvedRules:
     """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names."""
     reader = _Reader(resolve)
     for number, file in enumerate(files):
-        for one in file.statements:
-            if (isinstance(one, Block) and one.is_disabled) is disabled:
-                reader.add(number, file.path, one)
+        for statement in file.statements:
+            if (isinstance(statement, Block) and statement.is_disabled) is disabled:
+                reader.add(number, file.path, statement)
     return ResolvedRules(
         rates=tuple(reader.rates),
         bounds=tuple(reader.bounds),
@@ -222,7 +222,7 @@ class _Reader:
                     path=path,
                     block=statement,
                     form=normal_form(statement.condition, self._full_name),
-                    checks=tuple(self._check(path, one) for one in checks_in(statement.condition)),
+                    checks=tuple(self._check(path, check) for check in checks_in(statement.condition)),
                 )
                 self.blocks.append(block)
                 self._add_branch(block, statement.then, is_else=False)
@@ -232,7 +232,7 @@ class _Reader:
         signal = signal_of(check, self._full_name)
         region = compared_region(check)
         latch = latch_of(signal, region, check.until)
-        return ResolvedCheck(path=path, signal=signal, check=check, region=region, latch=latch)
+        return ResolvedCheck(path=path, signal=signal, syntax=check, region=region, latch=latch)
 
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:
@@ -245,8 +245,10 @@ class _Reader:
             form=negation(block.form) if is_else else block.form,
             written=written,
             settings={one.topic: one for one in written},
-            bounds=tuple(self._bound(block.path, one, (block.order, is_else)) for one in bounds_in(actions)),
-            records=tuple(self._record(block.path, one) for one in records_in(actions)),
+            bounds=tuple(
+                self._bound(block.path, bound, (block.order, is_else)) for bound in bounds_in(actions)
+            ),
+            records=tuple(self._record(block.path, record) for record in records_in(actions)),
         )
         self.branches.append(branch)
 

@@ -234,7 +234,7 @@ class _Compiler:
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve)
         rules = RuleSet(
-            defaults={one.topic: self._rate(one) for one in resolved.written_defaults},
+            defaults={default.topic: self._rate(default) for default in resolved.written_defaults},
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
             floors_hz=resolved.floors_hz,
             blocks=tuple(map(self._block, resolved.branches)),
@@ -255,14 +255,14 @@ class _Compiler:
             duration_ns=timed.duration.ns,
         )
 
-    def _check_as_written(self, one: ResolvedCheck) -> WrittenCheck:
-        alone = self._shared_region(InRegion(one.signal, one.region))
+    def _check_as_written(self, check: ResolvedCheck) -> WrittenCheck:
+        alone = self._shared_region(InRegion(check.signal, check.region))
         return WrittenCheck(
-            line=one.check.span.line,
-            column=one.check.span.column,
+            line=check.syntax.span.line,
+            column=check.syntax.span.column,
             signal=alone.signal,
             region=alone.region,
-            latch=one.latch,
+            latch=check.latch,
         )
 
     def _shared_form(self, form: Form) -> Form:
@@ -304,21 +304,23 @@ class _Compiler:
             of_topic[one.signal.property] = min(bound, of_topic.get(one.signal.property, math.inf))
         return found
 
-    def _rate(self, one: ResolvedRate) -> Rate:
-        return self._tiers.tier_rate(one.statement, one.path) if one.rate is None else one.rate
+    def _rate(self, rate: ResolvedRate) -> Rate:
+        return self._tiers.tier_rate(rate.statement, rate.path) if rate.rate is None else rate.rate
 
 
-def _record_request(one: ResolvedRecord) -> RecordRequest:
+def _record_request(record: ResolvedRecord) -> RecordRequest:
     return RecordRequest(
-        name=one.statement.name,
-        line=one.statement.span.line,
-        topics=tuple(dict.fromkeys(one.topics)),
-        before_ns=one.statement.before.ns,
-        after_ns=one.statement.after.ns,
+        name=record.statement.name,
+        line=record.statement.span.line,
+        topics=tuple(dict.fromkeys(record.topics)),
+        before_ns=record.statement.before.ns,
+        after_ns=record.statement.after.ns,
     )
 
 
 def _recording_all(block: RuleBlock, topics: tuple[str, ...]) -> RuleBlock:
     """``block`` whose recordings keep ``topics`` where they name none."""
-    recordings = tuple(one if one.topics else replace(one, topics=topics) for one in block.recordings)
+    recordings = tuple(
+        recording if recording.topics else replace(recording, topics=topics) for recording in block.recordings
+    )
     return replace(block, recordings=recordings)

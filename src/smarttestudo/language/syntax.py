@@ -334,7 +334,11 @@ class RuleFile:
     @property
     def enabled_statements(self) -> tuple[Statement, ...]:
         """The statements that count: all but disabled blocks."""
-        return tuple(one for one in self.statements if not (isinstance(one, Block) and one.is_disabled))
+        return tuple(
+            statement
+            for statement in self.statements
+            if not (isinstance(statement, Block) and statement.is_disabled)
+        )
 
 
 def sets_in(actions: Iterable[Action]) -> tuple[SetFrequency, ...]:
@@ -367,12 +371,12 @@ def records_in(actions: Iterable[Action]) -> tuple[RecordIncident, ...]:
 def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
     """The tiers that a statement names, each with its place, in their order."""
     actions = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
-    for one in actions:
-        match one:
+    for action in actions:
+        match action:
             case SetFrequency(rate=RateExpression(value=Tier() as tier, span=span)):
                 yield span, tier
             case KeepWithin(bound=Tier() as tier):
-                yield bound_span(one), tier
+                yield bound_span(action), tier
             case _:
                 pass
 

@@ -149,7 +149,7 @@ def with_run_starts(decisions: Iterable[Decision]) -> Iterator[tuple[int, Decisi
     A file holds one run after the other, and each begins at 0: nothing of the one before holds then.
     """
     began_ns: int | None = None
-    for one in decisions:
-        if began_ns is None or (one.t_s == 0 and abs(one.stamp_ns - began_ns) > _T_NS):
-            began_ns = one.stamp_ns
-        yield began_ns, one
+    for decision in decisions:
+        if began_ns is None or (decision.t_s == 0 and abs(decision.stamp_ns - began_ns) > _T_NS):
+            began_ns = decision.stamp_ns
+        yield began_ns, decision

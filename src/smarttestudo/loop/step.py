@@ -220,7 +220,7 @@ def still_recording(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
 
 def written(block: RuleBlock) -> object:
     """All that stays when other statements move the block, and comments change."""
-    records = None if block.name is not None else tuple(one.name for one in block.recordings)
+    records = None if block.name is not None else tuple(recording.name for recording in block.recordings)
     return block.name, records, block.form
 
 

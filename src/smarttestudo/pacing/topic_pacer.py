@@ -125,7 +125,9 @@ class TopicPacer(Pacer):
         if self._is_plain:
             cast("Streams[PublisherStream]", self._streams).go_on(streams, now_ns)
             return ()
-        return self._offer_again([one.held for one in streams.values() if one.held is not None], now_ns)
+        return self._offer_again(
+            [stream.held for stream in streams.values() if stream.held is not None], now_ns
+        )
 
     def offer(self, sample: Sample, now_ns: int, /) -> Sequence[Pass]:
         """Pace ``sample``, which arrived: return it if it passes now, else nothing."""
@@ -230,7 +232,7 @@ class TopicPacer(Pacer):
 
     @property
     def _plain_streams(self) -> Sequence[PublisherStream]:
-        return [one for one in self._streams.streams() if isinstance(one, PublisherStream)]
+        return [stream for stream in self._streams.streams() if isinstance(stream, PublisherStream)]
 
     @property
     def _is_plain(self) -> bool:

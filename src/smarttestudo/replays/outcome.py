@@ -136,7 +136,7 @@ def _frame_rates(statistics: RelayStatistics) -> _Rates:
         _rates(arrived, frames.relayed.get(frame, Flow()), statistics.target)
         for frame, arrived in frames.arrived.items()
     ]
-    known = [numbers for one in rates if None not in (numbers := tuple(one))]
+    known = [numbers for rate in rates if None not in (numbers := tuple(rate))]
     if not known:
         return rates[0] if len(rates) == 1 else _Rates(None, None, None, None)
     return _Rates(*(fmean(column) for column in zip(*known, strict=True)))

@@ -103,7 +103,7 @@ def accuracy_chart(curve: AccuracyCurve) -> AccuracyChart | None:
 
 
 def _points(errors: Iterable[PacedPicture]) -> tuple[tuple[int, float], ...]:
-    known = {(one.messages, one.worst) for one in errors if _LEAST < one.worst < math.inf}
+    known = {(error.messages, error.worst) for error in errors if _LEAST < error.worst < math.inf}
     return tuple(sorted(known, key=lambda point: (point[0], -point[1])))
 
 

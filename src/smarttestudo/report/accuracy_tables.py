@@ -167,9 +167,9 @@ def _property_columns(comparison: AccuracyComparison, topic: str, name: str) -> 
     yield Column("Broken", "", lambda arm: of(arm).broken if of(arm).bounds else None, WHOLE)
 
 
-def _span(one: PropertyAccuracy, factor: float) -> str:
+def _span(accuracy: PropertyAccuracy, factor: float) -> str:
     """The bounds, from the tightest to the widest."""
-    if not one.bounds:
+    if not accuracy.bounds:
         return MISSING
-    ends = dict.fromkeys((one.bounds[0], one.bounds[-1]))
+    ends = dict.fromkeys((accuracy.bounds[0], accuracy.bounds[-1]))
     return " … ".join(f"{factor * bound:g}" for bound in ends)

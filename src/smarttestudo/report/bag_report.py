@@ -145,7 +145,7 @@ class PairedRuns:
         What was planned last before the start held then already, so it is where each topic starts.
         """
         span = self.a.summary.span
-        within = [one for one in decisions if span.start_ns <= one.stamp_ns <= span.end_ns]
+        within = [decision for decision in decisions if span.start_ns <= decision.stamp_ns <= span.end_ns]
         if decisions and not within:
             return (), ("no decision falls into the time of the recording; they are left out",)
         held = _held_at(span.start_ns, decisions)

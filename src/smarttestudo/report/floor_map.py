@@ -58,7 +58,7 @@ def map_frame(plan: FloorPlan, places: Sequence[PathPoint]) -> MapFrame | None:
     """A frame around everything, with a margin; ``None`` where there is nothing."""
     footprints = [_sides_m(obstacle.footprint) for obstacle in plan.obstacles]
     zones = [_sides_m(zone.area) for zone in plan.zones]
-    core = [*_corners_m(plan.occupancy), *((one.x_m, one.y_m) for one in places), *chain(*footprints)]
+    core = [*_corners_m(plan.occupancy), *((place.x_m, place.y_m) for place in places), *chain(*footprints)]
     xs_m = _with_near_sides([x_m for x_m, _ in core], [x_m for zone in zones for x_m, _ in zone])
     ys_m = _with_near_sides([y_m for _, y_m in core], [y_m for zone in zones for _, y_m in zone])
     if not xs_m or not ys_m:

@@ -100,7 +100,11 @@ def block_at(spans: Sequence[RuleSpan], t_s: float) -> DecidingBlock | None:
 
 def _leading(blocks: dict[str, DecidingBlock | None]) -> DecidingBlock | None:
     topics = Counter(block for block in blocks.values() if block is not None)
-    return min(topics, key=lambda one: (one.is_in_doubt, -topics[one], one.line or 0, one.rule), default=None)
+    return min(
+        topics,
+        key=lambda block: (block.is_in_doubt, -topics[block], block.line or 0, block.rule),
+        default=None,
+    )
 
 
 def _extend(spans: list[RuleSpan], span: RuleSpan) -> None:

@@ -50,7 +50,7 @@ def budget_findings(
         except ProfileError as error:
             return [reporter.incomplete(error)]
         if not done.feasible:
-            return [one.finding() for one in infeasible_subproblems(done)]
+            return [infeasible_subproblem.finding() for infeasible_subproblem in infeasible_subproblems(done)]
         tiers = done
     rule_set = compile_rules(files, resolve, tiers).over_states()
     loads = loads_of(rule_set, profile)

@@ -219,7 +219,7 @@ def _row(row: TopicRow) -> dict[str, object]:
 
 def _change(change: Change) -> dict[str, object]:
     return {
-        "topics": {one.topic: _wanted(one.wanted) for one in change.reductions},
+        "topics": {reduction.topic: _wanted(reduction.wanted) for reduction in change.reductions},
         "needs_kb_per_s": round(change.needs_kb_per_s, _DECIMALS),
     }
 

@@ -145,8 +145,8 @@ def _near(path: Path) -> list[str]:
         ]
     except OSError:
         return []
-    near = get_close_matches(path.stem.casefold(), {one.stem.casefold() for one in names})
-    return [str(one) for stem in near for one in names if one.stem.casefold() == stem]
+    near = get_close_matches(path.stem.casefold(), {name.stem.casefold() for name in names})
+    return [str(name) for stem in near for name in names if name.stem.casefold() == stem]
 
 
 def _decoded(data: bytes, path: Path) -> str:

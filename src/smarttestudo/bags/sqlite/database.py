@@ -193,7 +193,7 @@ def rows_of(
     present = {_text(name, str(encoding), "replace") for (name,) in named}
     if not present:
         raise LookupError(f"no table {table}")
-    read = [one for one in columns if one in present]
+    read = [column for column in columns if column in present]
     values = ", ".join(["id", *(f"CAST({one} AS BLOB)" for one in read)])
     for number, *stored in database.execute(f"SELECT {values} FROM {table} ORDER BY id"):  # noqa: S608  known
         texts = (_text(one, str(encoding), errors) for one in stored)

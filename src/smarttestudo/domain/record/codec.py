@@ -103,11 +103,11 @@ def _entries(kind: Any) -> Iterator[_EntryOf]:
     """The fields of a dataclass or a named tuple."""
     hints = get_type_hints(kind, include_extras=True)
     if is_dataclass(kind):
-        defaults = {one.name: (one.default, one.default_factory) for one in fields(kind)}
+        defaults = {field.name: (field.default, field.default_factory) for field in fields(kind)}
     else:
         defaults = {name: (kind._field_defaults.get(name, MISSING), MISSING) for name in kind._fields}
     for name, (default, factory) in defaults.items():
-        entry = next((one for one in marks(hints[name]) if isinstance(one, JsonEntry)), JsonEntry())
+        entry = next((mark for mark in marks(hints[name]) if isinstance(mark, JsonEntry)), JsonEntry())
         value = _converter(hints[name], entry)
         yield _EntryOf(name=name, own_default=default, made_default=factory, entry=entry, value=value)
 
@@ -140,11 +140,11 @@ class _RecordClass:
         self.keys = frozenset((*self._own_keys(), *(name for name, *_ in self._derived)))
 
     def _own_keys(self) -> Iterator[str]:
-        for one in self._entries:
-            if one.entry.is_merged and one.value.record is not None:
-                yield from _class_of(one.value.record).keys
-            elif not one.entry.is_rest:
-                yield one.key
+        for entry in self._entries:
+            if entry.entry.is_merged and entry.value.record is not None:
+                yield from _class_of(entry.value.record).keys
+            elif not entry.entry.is_rest:
+                yield entry.key
         if self._signed is not None:
             yield INFINITE_KEY
 
@@ -176,7 +176,7 @@ class _RecordClass:
     def decode(self, value: object) -> object:
         if not isinstance(value, dict):
             raise ValueError(f"not an object: {str(value)[:40]}")  # noqa: TRY004 - a stranger's text
-        found = {one.name: self._read(one, value) for one in self._entries}
+        found = {entry.name: self._read(entry, value) for entry in self._entries}
         if self._signed is not None and INFINITE_KEY in value:
             found[self._signed] = _with_signs(found[self._signed], value[INFINITE_KEY])
         return self._kind(**found)
@@ -187,31 +187,31 @@ class _RecordClass:
         keys = [key for _, key, _, _ in self._plan if key is not None]
         return self.decode(dict(zip(keys, value, strict=False)))
 
-    def _read(self, one: _EntryOf, value: Mapping[str, object]) -> object:
-        if one.entry.is_absent:
-            return one.default
-        if one.entry.is_rest:
+    def _read(self, of: _EntryOf, value: Mapping[str, object]) -> object:
+        if of.entry.is_absent:
+            return of.default
+        if of.entry.is_rest:
             others = value.keys() - self.keys
             rest = {key: value[key] for key in sorted(others) if isinstance(value[key], dict)}
             return read_mapping(rest, read_any)
-        if one.key not in value and not one.entry.is_merged:
-            return one.default
-        found = value if one.entry.is_merged else value[one.key]
-        if found is None and one.value.null:
-            return one.value.null[0]
+        if of.key not in value and not of.entry.is_merged:
+            return of.default
+        found = value if of.entry.is_merged else value[of.key]
+        if found is None and of.value.null:
+            return of.value.null[0]
         try:
-            return one.value.decode(found)
+            return of.value.decode(found)
         except ValueError as error:
-            if one.entry.is_lenient:
-                return one.default
-            raise ValueError(f"{one.key}: {error}") from error
+            if of.entry.is_lenient:
+                return of.default
+            raise ValueError(f"{of.key}: {error}") from error
 
     def measured(self) -> Iterator[str]:
-        for one in self._entries:
-            if one.value.is_measured:
-                yield one.key
-            if one.value.record not in (None, self._kind):
-                yield from _class_of(one.value.record).measured()
+        for entry in self._entries:
+            if entry.value.is_measured:
+                yield entry.key
+            if entry.value.record not in (None, self._kind):
+                yield from _class_of(entry.value.record).measured()
         yield from self._derived_measured
 
 
@@ -277,7 +277,7 @@ def _any(value: object) -> object:
 
 
 def _closed_set(members: tuple[Any, ...]) -> _Converter:
-    names = {one: json_name(one) for one in members}
+    names = {member: json_name(member) for member in members}
     named = {name: one for one, name in names.items()}
 
     def read(value: object) -> object:
@@ -311,8 +311,8 @@ def _optional(hint: Any, entry: JsonEntry) -> _Converter:
     )
 
 
-def _annotated(one: _Converter, extras: tuple[object, ...]) -> _Converter:
-    encode, decode, null = one.encode, one.decode, one.null
+def _annotated(converter: _Converter, extras: tuple[object, ...]) -> _Converter:
+    encode, decode, null = converter.encode, converter.decode, converter.null
     for extra in extras:
         if isinstance(extra, Decimals):
             encode = _rounded(extra.digits)
@@ -322,8 +322,10 @@ def _annotated(one: _Converter, extras: tuple[object, ...]) -> _Converter:
             decode = _limited(decode, extra.most)
         elif extra is Mark.NULL_IS_INFINITE:
             null = (math.inf,)
-    is_measured = one.is_measured or Mark.MEASURED in extras
-    return _Converter(encode=encode, decode=decode, null=null, is_measured=is_measured, record=one.record)
+    is_measured = converter.is_measured or Mark.MEASURED in extras
+    return _Converter(
+        encode=encode, decode=decode, null=null, is_measured=is_measured, record=converter.record
+    )
 
 
 def _rounded(digits: int) -> _Encode:

@@ -31,12 +31,14 @@ class _Field:
 def column_types(kind: Any) -> dict[str, Any]:
     """The type of each column of a row that is a ``kind``, by its name; any value may be missing."""
     types: dict[str, Any] = {}
-    for one in _fields(kind):
-        if is_dataclass(one.kind):
-            inner = column_types(one.kind)
-            types |= {f"{one.prefix}{key}": of for key, of in inner.items()}
+    for field in _fields(kind):
+        if is_dataclass(field.kind):
+            inner = column_types(field.kind)
+            types |= {f"{field.prefix}{key}": of for key, of in inner.items()}
         else:
-            types[one.key] = str if isinstance(one.kind, type) and issubclass(one.kind, Enum) else one.kind
+            types[field.key] = (
+                str if isinstance(field.kind, type) and issubclass(field.kind, Enum) else field.kind
+            )
     return types
 
 
@@ -44,18 +46,18 @@ def to_columns(row: object) -> dict[str, object]:
     """The values of ``row``, a record, by column; those of a merged record that is missing are left out."""
     values: dict[str, object] = {}
     kind: Any = type(row)
-    for one in _fields(kind):
-        value = getattr(row, one.name)
-        if is_dataclass(one.kind):
+    for field in _fields(kind):
+        value = getattr(row, field.name)
+        if is_dataclass(field.kind):
             if value is not None:
                 inner = to_columns(value)
             else:
-                inner = dict.fromkeys(column_types(one.kind)) if one.prefix else {}
-            values |= {f"{one.prefix}{key}": cell for key, cell in inner.items()}
+                inner = dict.fromkeys(column_types(field.kind)) if field.prefix else {}
+            values |= {f"{field.prefix}{key}": cell for key, cell in inner.items()}
         elif isinstance(value, Enum):
-            values[one.key] = json_name(value)
+            values[field.key] = json_name(value)
         else:
-            values[one.key] = list(value) if isinstance(value, tuple) else value
+            values[field.key] = list(value) if isinstance(value, tuple) else value
     return values
 
 

@@ -60,7 +60,7 @@ class Cover:
     @property
     def over_cm2(self) -> float:
         """The area that they cover beside the polygon."""
-        return sum(one.area_cm2 for one in self.rectangles) - self.polygon_cm2
+        return sum(rectangle.area_cm2 for rectangle in self.rectangles) - self.polygon_cm2
 
 
 def covering_rectangles(

@@ -243,7 +243,7 @@ def zone_condition(topic: str, rectangles: Sequence[ZoneRectangle]) -> Condition
     border, so that no gap is left where they meet.
     """
     lower = Operator.GREATER if len(rectangles) == 1 else Operator.GREATER_EQUAL
-    parts = [_joined(And, tuple(_checks(topic, one, lower))) for one in rectangles]
+    parts = [_joined(And, tuple(_checks(topic, rectangle, lower))) for rectangle in rectangles]
     return _joined(Or, tuple(parts))
 
 
@@ -313,7 +313,7 @@ def _closed(
     topic = reading.zones[0].topic
     if len(reading.zones) > 1 or reading.holds_elsewhere:
         raise EditError("an open side of one of several zones cannot be closed here", remedy=_IN_BLOCK)
-    written = next(one.topic.text for one in checks_in(condition) if resolve(one.topic.text) == topic)
+    written = next(check.topic.text for check in checks_in(condition) if resolve(check.topic.text) == topic)
     checks = [
         _check(written, side, Operator.GREATER, value) for side, value in missing.items() if value is not None
     ]
@@ -352,7 +352,7 @@ def _joined(kind: type[And | Or], parts: tuple[Condition, ...]) -> Condition:
         raise EditError("a zone without sides is everywhere", remedy="give it a side")
     if len(parts) == 1:
         return parts[0]
-    grouped = (Group(operand=one, span=_NOWHERE) if isinstance(one, And | Or) else one for one in parts)
+    grouped = (Group(operand=part, span=_NOWHERE) if isinstance(part, And | Or) else part for part in parts)
     return kind(operands=tuple(grouped), span=_NOWHERE)
 
 

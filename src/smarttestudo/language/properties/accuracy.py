@@ -44,7 +44,7 @@ def needs_decoded(gauges: Iterable[Gauge]) -> bool:
 
 def _reckoned(known: MessageType, name: str) -> Distance | None:
     """The distance of two states of what is read without decoding, ``None`` where it holds no such thing."""
-    own = next((one.distance for one in known.distances if one.spec.name == name), None)
+    own = next((distance.distance for distance in known.distances if distance.spec.name == name), None)
     if own is not None or known.gauge is None:
         return own
     value = known.value(name)

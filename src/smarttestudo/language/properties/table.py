@@ -375,13 +375,15 @@ def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
 def properties_for_bounds() -> Mapping[str, tuple[PropertySpec, ...]]:
     """By type, what a KeepWithin can name beside what checks read."""
     return {
-        name: tuple(one.spec for one in known.distances) for name, known in _TYPES.items() if known.distances
+        name: tuple(distance.spec for distance in known.distances)
+        for name, known in _TYPES.items()
+        if known.distances
     }
 
 
 def accuracy_properties_of(type_name: str) -> Mapping[str, PropertySpec]:
     """The named properties of ``type_name`` that a KeepWithin can name, those of checks included."""
-    distances = {one.spec.name: one.spec for one in message_type(type_name).distances}
+    distances = {distance.spec.name: distance.spec for distance in message_type(type_name).distances}
     return {**distances, **properties_of(type_name)}
 
 

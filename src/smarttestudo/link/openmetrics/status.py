@@ -45,8 +45,8 @@ _SILENT = MetricName(
 )
 STATUS_METRICS = (
     _RULES,
-    *(_name(one, _ROBOT) for one in metered_fields(RuntimeStatus)),
-    *(_name(one, _TOPIC) for one in metered_fields(TopicStatus)),
+    *(_name(metered_field, _ROBOT) for metered_field in metered_fields(RuntimeStatus)),
+    *(_name(metered_field, _TOPIC) for metered_field in metered_fields(TopicStatus)),
     _SILENT,
 )
 """All that ``status_metrics`` may give."""
@@ -73,9 +73,9 @@ def _metrics(
     kind: type, labels: tuple[str, ...], records: Iterable[tuple[tuple[str, ...], object]]
 ) -> Iterator[Metric]:
     read = list(records)
-    for one in metered_fields(kind):
-        numbers = ((of, _number(one, record)) for of, record in read)
-        yield Metric(name=_name(one, labels), samples=_known(numbers))
+    for metered_field in metered_fields(kind):
+        numbers = ((of, _number(metered_field, record)) for of, record in read)
+        yield Metric(name=_name(metered_field, labels), samples=_known(numbers))
 
 
 def _of_sections(statuses: Mapping[str, RuntimeStatus]) -> Iterator[Metric]:

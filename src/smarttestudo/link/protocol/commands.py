@@ -379,7 +379,9 @@ class CommandReceiver:
         streams: list[AcceptedStream] = []
         if self._reported_streams_ns is None or now_ns - self._reported_streams_ns >= after_ns:
             self._reported, self._reported_streams_ns = topics, now_ns
-            streams = [AcceptedStream(topic=_short(one.state), revision=one.revision) for one in self._topics]
+            streams = [
+                AcceptedStream(topic=_short(topic.state), revision=topic.revision) for topic in self._topics
+            ]
         acknowledged = {number: sender.number for number, sender in self._senders.items()}
         report = CommandReport(sent_ns=now_ns, acknowledged=acknowledged, streams=streams)
         return COMMAND_REPORTS.to_bytes(report)

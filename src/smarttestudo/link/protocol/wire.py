@@ -283,7 +283,7 @@ def _fixed(kinds: Sequence[Any]) -> _Codec:
 def _record(kind: Any) -> _Codec:
     """The fields of a dataclass or of a named tuple."""
     hints = get_type_hints(kind)
-    names = [one.name for one in fields(kind)] if is_dataclass(kind) else list(kind._fields)
+    names = [field.name for field in fields(kind)] if is_dataclass(kind) else list(kind._fields)
     all_fields = _fixed([hints[name] for name in names])
     return _Codec(
         lambda data, value: all_fields.write(data, [getattr(value, name) for name in names]),

@@ -152,16 +152,16 @@ class IncidentMirror:
                 self._has_more |= turn.is_long
                 return
 
-    def _fetch(self, one: RemoteIncident, folder: Path, turn: _Turn) -> None:
+    def _fetch(self, incident: RemoteIncident, folder: Path, turn: _Turn) -> None:
         def is_over() -> bool:
-            is_there = one.robot in self._incidents.robots(0)
+            is_there = incident.robot in self._incidents.robots(0)
             return self._worker.is_closed or not is_there or turn.is_stalled or turn.is_long
 
-        path = self._incidents.fetch(one.robot, one.name, folder, turn.note, is_over)
+        path = self._incidents.fetch(incident.robot, incident.name, folder, turn.note, is_over)
         if path is not None:
-            self._say(f"{one.robot}: {'outage' if one.is_outage else 'incident'} {path}")
-        elif turn.is_stalled and one.robot in self._incidents.robots(0):
-            self._back_off(one.robot, one.name, f"waits for {turn.waits_for}")
+            self._say(f"{incident.robot}: {'outage' if incident.is_outage else 'incident'} {path}")
+        elif turn.is_stalled and incident.robot in self._incidents.robots(0):
+            self._back_off(incident.robot, incident.name, f"waits for {turn.waits_for}")
 
     def _try(self, robot: str, name: str, act: Callable[[], None]) -> None:
         if (robot, name) in self._backoff_polls or (robot, "") in self._backoff_polls:

@@ -361,7 +361,7 @@ def _rank(robot: ReceivedRobot, boot: str) -> None:
     if boot not in robot.ranks:
         robot.ranks[boot] = max(robot.ranks.values(), default=0) + 1
         while len(robot.ranks) > _MOST_RANKS:
-            del robot.ranks[next(one for one in robot.ranks if one not in robot.boots and one != boot)]
+            del robot.ranks[next(rank for rank in robot.ranks if rank not in robot.boots and rank != boot)]
 
 
 def _topic(robot: ReceivedRobot, stream: StreamInfo) -> ReceivedTopic:

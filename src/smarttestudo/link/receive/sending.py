@@ -211,8 +211,8 @@ class Sending:
             return replace(route, problem=f"no node of {robot} subscribes to it", is_quiet=True)
         try:
             publishers = self._robot.publishers(route.source)
-            types = sorted({one.type_name for one in publishers})
-            if not own_nodes.isdisjoint(one.node for one in publishers):
+            types = sorted({publisher.type_name for publisher in publishers})
+            if not own_nodes.isdisjoint(publisher.node for publisher in publishers):
                 return replace(route, problem="SmartTestudo itself publishes it here, so it would go round")
             if not types:
                 return replace(route, problem="nobody publishes it here", is_quiet=True)

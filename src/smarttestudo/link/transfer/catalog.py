@@ -112,16 +112,18 @@ def _index_of(folder: Path, name: str) -> IncidentIndex:
         files = [
             one for one in sorted(path.iterdir()) if one.name != READ_NAME and not one.name.startswith(".")
         ]
-        files = [one for one in files if stat.S_ISREG(one.lstat().st_mode)]
-        if not any(one.name == RECORD_NAME for one in files):
+        files = [file for file in files if stat.S_ISREG(file.lstat().st_mode)]
+        if not any(file.name == RECORD_NAME for file in files):
             raise LinkError(f"the incident has no {RECORD_NAME}: there is nothing to fetch", place=name)
         if len(files) > MAX_FILES:
             raise LinkError(f"{len(files)} files are too many for an incident", place=name)
         ranges = [file_ranges(one, number) for number, one in enumerate(files)]
-        planned = tuple(PlannedFile(one.name, one.stat().st_size, sha256_of_files(one)) for one in files)
+        planned = tuple(PlannedFile(file.name, file.stat().st_size, sha256_of_files(file)) for file in files)
         head = _with_copies([one for each in ranges for one in each.head], files)
     order = TransferOrder(
-        head, [one for each in ranges for one in each.messages], [one for each in ranges for one in each.tail]
+        head,
+        [message for each in ranges for message in each.messages],
+        [one for each in ranges for one in each.tail],
     )
     digest = hashlib.sha256(_ORDER_VERSION + repr(planned).encode()).digest()
     plan = TransferPlan(token=digest[:TOKEN_BYTES], files=planned, levels=order.levels)

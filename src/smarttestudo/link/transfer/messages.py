@@ -85,7 +85,7 @@ class TransferPlan:
     @property
     def size_bytes(self) -> int:
         """Size of all files together."""
-        return sum(one.size_bytes for one in self.files)
+        return sum(file.size_bytes for file in self.files)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -134,24 +134,24 @@ def _check_question(question: TransferQuestion) -> None:
 
 
 def _check_list(incidents: Sequence[RemoteIncident]) -> None:
-    for one in incidents:
+    for incident in incidents:
         if (
-            not is_incident_name(one.name)
-            or one.moments < 1
-            or any(len(text) > _MAX_TEXT for text in _texts(one))
+            not is_incident_name(incident.name)
+            or incident.moments < 1
+            or any(len(text) > _MAX_TEXT for text in _texts(incident))
         ):
             raise ValueError("no incident")
 
 
 def _check_plan(plan: TransferPlan) -> None:
     """Refuse names that lead out of a folder, or are there twice wherever capitals do not count."""
-    names = {one.name.lower() for one in plan.files}
+    names = {file.name.lower() for file in plan.files}
     if len(plan.token) != TOKEN_BYTES or len(plan.files) > MAX_FILES or len(names) != len(plan.files):
         raise ValueError("files that are none or too many")
-    for one in plan.files:
-        if not is_incident_file_name(one.name) or not 0 <= one.size_bytes <= MAX_FILE_BYTES:
+    for file in plan.files:
+        if not is_incident_file_name(file.name) or not 0 <= file.size_bytes <= MAX_FILE_BYTES:
             raise ValueError("no file")
-        if len(bytes.fromhex(one.sha256)) != _SHA256_BYTES:
+        if len(bytes.fromhex(file.sha256)) != _SHA256_BYTES:
             raise ValueError("no digest of a file")
     if len(plan.levels) > _MAX_LEVELS:
         raise ValueError("too many levels")
@@ -192,8 +192,8 @@ def list_to_bytes(incidents: Sequence[RemoteIncident]) -> bytes:
     """The newest of the incidents, as many as may travel at once."""
     newest: list[RemoteIncident] = []
     size_bytes = 0
-    for one in reversed(incidents[-MAX_LISTED:]):
-        short = replace(one, label=one.label[:_MAX_TEXT], rule=one.rule[:_MAX_TEXT])
+    for incident in reversed(incidents[-MAX_LISTED:]):
+        short = replace(incident, label=incident.label[:_MAX_TEXT], rule=incident.rule[:_MAX_TEXT])
         size_bytes += len(LISTS.to_bytes((short,)))
         if size_bytes > MAX_LIST_BYTES:
             break
@@ -214,5 +214,5 @@ def piece_from_bytes(data: bytes, most_bytes: int) -> TransferPiece:
     return piece
 
 
-def _texts(one: RemoteIncident) -> Iterable[str]:
-    return (one.label, one.rule, *one.missing)
+def _texts(incident: RemoteIncident) -> Iterable[str]:
+    return (incident.label, incident.rule, *incident.missing)

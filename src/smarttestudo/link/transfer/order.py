@@ -65,7 +65,7 @@ class TransferOrder:
     ) -> None:
         ranked = sorted(_ranked(messages))
         self._ranges = [*head, *(ByteRange(one.file, one.offset, one.size_bytes) for _, one in ranked), *tail]
-        self._ends = list(accumulate(one.size_bytes for one in self._ranges))
+        self._ends = list(accumulate(range_.size_bytes for range_ in self._ranges))
         self.size_bytes = self._ends[-1] if self._ends else 0
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))
 
@@ -102,7 +102,7 @@ def _ranked(messages: Sequence[MessageRange]) -> Iterator[tuple[_Rank, MessageRa
     for one in messages:
         topics[one.topic].append(one)
     for topic, ranges in topics.items():
-        mean_bytes = sum(one.size_bytes for one in ranges) / len(ranges)
+        mean_bytes = sum(range_.size_bytes for range_ in ranges) / len(ranges)
         ranges.sort(key=lambda one: (one.stamp_ns, one.file, one.offset))
         for level, one in zip(_levels_of(ranges), ranges, strict=True):
             yield _Rank(mean_bytes > LARGE_MESSAGE_BYTES, level, mean_bytes, topic), one
@@ -112,9 +112,9 @@ def _levels_of(ranges: Sequence[MessageRange]) -> Iterator[int]:
     """The coarsest grid of which each is a message; those of one stamp belong together."""
     last_bins = [-1] * (_FINEST_LEVEL + 1)
     stamp_ns, level = None, 0
-    for one in ranges:
-        if one.stamp_ns != stamp_ns:
-            stamp_ns = one.stamp_ns
+    for range_ in ranges:
+        if range_.stamp_ns != stamp_ns:
+            stamp_ns = range_.stamp_ns
             bins = [(stamp_ns << number) // NS_PER_S for number in range(_FINEST_LEVEL + 1)]
             fresh = (number for number in range(_FINEST_LEVEL) if bins[number] != last_bins[number])
             level = next(fresh, _FINEST_LEVEL)

@@ -69,9 +69,9 @@ class PartialIncident:
                 self._clear(state)
                 # Whatever happens from here on, the next fetch knows what is of this one.
                 self.save()
-            for one in plan.files:
-                self._files.append(os.open(self.path / one.name, _OPENED, 0o644))
-                os.ftruncate(self._files[-1], one.size_bytes)
+            for file in plan.files:
+                self._files.append(os.open(self.path / file.name, _OPENED, 0o644))
+                os.ftruncate(self._files[-1], file.size_bytes)
         except OSError as error:
             self.close()
             raise not_written(self.path, _CONTENT, error) from error
@@ -108,7 +108,7 @@ class PartialIncident:
 
     def save(self) -> None:
         """Write how far the fetch is, for another that goes on from here."""
-        files = [one.name for one in self._plan.files]
+        files = [file.name for file in self._plan.files]
         state = {"token": self._plan.token.hex(), "cursor": self.cursor, "files": files}
         with whole_file(self.path / STATE_NAME, "the state of a fetch") as write:
             write(json_text(state))
@@ -172,11 +172,11 @@ class PartialIncident:
         """Names of files left by a process that was killed as it wrote the state."""
         with os.scandir(self.path) as entries:
             return [
-                one.name
-                for one in entries
-                if one.name.startswith(f".{STATE_NAME}-")
-                and one.name.endswith(PARTIAL_SUFFIX)
-                and one.is_file(follow_symlinks=False)
+                entry.name
+                for entry in entries
+                if entry.name.startswith(f".{STATE_NAME}-")
+                and entry.name.endswith(PARTIAL_SUFFIX)
+                and entry.is_file(follow_symlinks=False)
             ]
 
     def _read_state(self) -> Mapping[str, object]:
@@ -192,10 +192,10 @@ class PartialIncident:
         try:
             cursor = int(str(state["cursor"]))
             is_same = state["token"] == self._plan.token.hex() and 0 <= cursor <= self._plan.size_bytes
-            sizes = [(self.path / one.name).lstat().st_size for one in self._plan.files]
+            sizes = [(self.path / file.name).lstat().st_size for file in self._plan.files]
         except (OSError, ValueError, LookupError):
             return 0
-        return cursor if is_same and sizes == [one.size_bytes for one in self._plan.files] else 0
+        return cursor if is_same and sizes == [file.size_bytes for file in self._plan.files] else 0
 
     def _require_room(self) -> None:
         free_bytes = shutil.disk_usage(self.path).free
@@ -213,7 +213,7 @@ class PartialIncident:
     def _clear(self, state: Mapping[str, object]) -> None:
         """Remove the files of the plan and of the one in ``state``."""
         former = state.get("files")
-        names = [one.name for one in self._plan.files]
+        names = [file.name for file in self._plan.files]
         if isinstance(former, list):
             names += [one for one in former if isinstance(one, str) and is_incident_file_name(one)]
         remove(self.path, dict.fromkeys((*names, STATE_NAME)))
@@ -233,7 +233,7 @@ def incident_there(folder: Path, name: str, files: Sequence[str] = ()) -> Path |
     path = folder / name
     if not is_incident_name(name) or path.is_symlink() or not path.is_dir():
         return None
-    has_all = all((path / one).is_file() for one in files)
+    has_all = all((path / file).is_file() for file in files)
     return path if has_all and any(path.iterdir()) else None
 
 

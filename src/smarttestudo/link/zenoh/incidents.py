@@ -168,13 +168,13 @@ class LinkIncidents:
         if data is None:
             return None
         plan = PLANS.from_bytes(data)
-        if not any(one.name == RECORD_NAME for one in plan.files):
+        if not any(file.name == RECORD_NAME for file in plan.files):
             raise LinkError(
                 f"{robot} has no {RECORD_NAME} of it, so there is nothing to fetch",
                 place=name,
                 remedy="look at its folder on the robot",
             )
-        there = incident_there(folder, name, [one.name for one in plan.files])
+        there = incident_there(folder, name, [file.name for file in plan.files])
         if there is not None:
             on_progress(FetchProgress(got_bytes=plan.size_bytes, total_bytes=plan.size_bytes))
             return there

@@ -153,13 +153,13 @@ class FrameGauge:
         """A part for each transform."""
         parts = [
             MovingPart(
-                one.child_frame,
-                one.stamp_ns or now_ns,
-                one.frame,
-                PoseState(_pose(one.numbers), None),
-                one.stamp_ns != 0,
+                transform.child_frame,
+                transform.stamp_ns or now_ns,
+                transform.frame,
+                PoseState(_pose(transform.numbers), None),
+                transform.stamp_ns != 0,
             )
-            for one in self._reader.transforms(payload)
+            for transform in self._reader.transforms(payload)
         ]
         return parts or None
 

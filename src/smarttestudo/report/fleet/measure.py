@@ -87,7 +87,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
     statistics = a.summary.statistics
     sent = [name for name in names if name in partners and statistics[name].messages]
     loss, notices = known_or_why(lambda: _loss(question, a, b, sent, decisions))
-    lost = {} if loss is None else {one.topic: one for one in loss.topics}
+    lost = {} if loss is None else {topic.topic: topic for topic in loss.topics}
     return RecordingNumbers(
         a=str(question.a),
         b=None if question.b is None else str(question.b),
@@ -106,7 +106,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
         bounds=() if loss is None else tuple(map(_bound, loss.bounds)),
         position=None if loss is None else position_error(loss),
         unmatched=frozenset(
-            one for one in question.topics if not any(_selected(own, [one]) for own in called.values())
+            topic for topic in question.topics if not any(_selected(own, [topic]) for own in called.values())
         ),
         notices=_once(a.summary.notices, b.summary.notices if b else (), loss.notices if loss else notices),
     )
@@ -140,7 +140,7 @@ def _decisions(question: RecordingQuestion, names: Collection[str]) -> Sequence[
     if question.rule_set is None:
         return ()
     decisions = decisions_over(question.a, question.rule_set, question.profile, lambda _: None)
-    return [one for one in decisions if one.topic in names]
+    return [decision for decision in decisions if decision.topic in names]
 
 
 def _loss(
@@ -221,9 +221,9 @@ def rule_numbers(
         sent = {name: trace for name, trace in sent.items() if name in received}
     volumes = [_by_rule(decisions, span, traces) for traces in (sent, received or {})]
     decided_s: dict[str, float] = defaultdict(float)
-    for one in deciding_spans(decisions, span.duration_s):
-        decided_s[_name(one.block)] += one.end_s - one.start_s
-    began = [_name(deciding_block(one)) for one in decisions]
+    for deciding_span in deciding_spans(decisions, span.duration_s):
+        decided_s[_name(deciding_span.block)] += deciding_span.end_s - deciding_span.start_s
+    began = [_name(deciding_block(decision)) for decision in decisions]
     return tuple(
         RuleNumbers(
             rule=rule,

@@ -103,20 +103,20 @@ class RecordingNumbers:
         """One row for each topic, for ``--csv``."""
         began_at = datetime.fromtimestamp(self.span.start_ns // NS_PER_S, tz=timezone.utc)
         recorded_at = None if self.span.is_empty else began_at
-        for one in self.topics:
-            got = one.received
+        for topic in self.topics:
+            got = topic.received
             row = ReportRow(
                 a=self.a,
                 b=self.b,
                 robot=self.robot,
                 recorded_at=recorded_at,
                 duration_s=self.span.duration_s,
-                topic=one.topic,
-                messages=one.messages,
-                size_bytes=one.size_bytes,
+                topic=topic.topic,
+                messages=topic.messages,
+                size_bytes=topic.size_bytes,
                 received_messages=got.messages if got else None,
                 received_bytes=got.size_bytes if got else None,
-                lost_messages=one.lost if got else None,
+                lost_messages=topic.lost if got else None,
                 age_mean_s=got.age_mean_s if got else None,
                 age_max_s=got.age_max_s if got else None,
             )
@@ -191,11 +191,11 @@ class Sums(Volume):
         """Add ``topics`` of a ``recording``."""
         self.recordings += 1
         self.duration_s += recording.span.duration_s
-        for one in topics:
-            self._count(one, None if one.received is None else one.received.size_bytes)
-            if one.received is not None:
-                self.age_max_s = _larger(self.age_max_s, one.received.age_max_s)
-            if recording.position is not None and recording.position.topic == one.topic:
+        for topic in topics:
+            self._count(topic, None if topic.received is None else topic.received.size_bytes)
+            if topic.received is not None:
+                self.age_max_s = _larger(self.age_max_s, topic.received.age_max_s)
+            if recording.position is not None and recording.position.topic == topic.topic:
                 self.position_m = _larger(self.position_m, recording.position.received_m)
 
     def merge(self, other: Sums) -> None:

@@ -116,11 +116,11 @@ def _stacked(
         return
     most = MOST_LAYERS if len(ranked) > MOST_LAYERS + 1 else len(ranked)
     own, rest = ranked[:most], ranked[most:]
-    parts = {key or "Robot not known": [one.get(key, 0.0) for one in of_columns] for key in own}
+    parts = {key or "Robot not known": [of_column.get(key, 0.0) for of_column in of_columns] for key in own}
     texts = {key or "Robot not known": whole[key] for key in own}
     if rest:
         others = f"{len(rest)} others"
-        parts[others] = [sum(one.get(key, 0.0) for key in rest) for one in of_columns]
+        parts[others] = [sum(of_column.get(key, 0.0) for key in rest) for of_column in of_columns]
         texts[others] = sum(whole[key] for key in rest)
     highest = max(map(sum, zip(*parts.values(), strict=True)))
     if is_bytes:

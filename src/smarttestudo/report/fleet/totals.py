@@ -112,7 +112,7 @@ class Trend:
     def columns(self) -> Sequence[TrendColumn]:
         """The columns in the order of time, at most ``MOST_COLUMNS``."""
         if self._recordings is not None:
-            in_order = sorted(self._recordings, key=lambda one: one[0])
+            in_order = sorted(self._recordings, key=lambda recording: recording[0])
             return [column for _, column in in_order]
         found = self._days if self._hours is None else self._hours
         columns = [found[key] for key in sorted(found)]
