@@ -147,7 +147,7 @@ def _remove_the_looser(earlier: ResolvedBound, later: ResolvedBound) -> Fix | No
 
 def _tightest(*bounds: ResolvedBound) -> str:
     """The text of the tightest, as far as numbers say which that is."""
-    numbers = [(one.statement.bound, one.statement.text) for one in bounds]
+    numbers = [(bound.statement.bound, bound.statement.text) for bound in bounds]
     known = [(bound, text) for bound, text in numbers if not isinstance(bound, Tier)]
     return f", {min(known, key=lambda each: each[0])[1]}," if len(known) == len(numbers) else ""
 

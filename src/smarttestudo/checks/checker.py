@@ -31,4 +31,4 @@ def check_rules(results: Sequence[ParseResult], context: CheckContext) -> list[F
     for lint_rule in LINT_RULES:
         if is_whole or not lint_rule.needs_all_statements:
             findings.extend(lint_rule.findings(rules))
-    return sorted(findings, key=lambda one: (one.path, one.span.line, one.span.column))
+    return sorted(findings, key=lambda finding: (finding.path, finding.span.line, finding.span.column))

@@ -91,7 +91,9 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
     resolve = cache(context.resolve)
     rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
     blocks = [replace(block, form=merged(over_states(block.form))) for block in rules.blocks]
-    branches = [_over_states(one, blocks[one.block.order]) for one in rules.branches if one.written]
+    branches = [
+        _over_states(branch, blocks[branch.block.order]) for branch in rules.branches if branch.written
+    ]
     settings: dict[str, list[ResolvedRate]] = {}
     relayed: dict[str, ResolvedRate | ResolvedFloor] = {}
     for rate in rules.rates:

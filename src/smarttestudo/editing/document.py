@@ -130,7 +130,7 @@ class Document:
 
     def entry(self, name: str) -> Entry | None:
         """The statement with the id ``name``."""
-        return next((one for one in self.entries if one.id == name), None)
+        return next((entry for entry in self.entries if entry.id == name), None)
 
     def behind(self, words: TokenRange) -> TokenRange | None:
         """The word behind ``words``."""

@@ -91,7 +91,7 @@ def loss_sentences(loss: LossReport) -> tuple[str, ...]:
 
 def fixed_price(loss: LossReport) -> str:
     """Of which topic fixed rates bring fewer messages, the one with the most bytes if several; or nothing."""
-    poorer = [one for one in loss.topics if one.fixed.messages < _FEWER * one.received.messages]
+    poorer = [topic for topic in loss.topics if topic.fixed.messages < _FEWER * topic.received.messages]
     if not poorer:
         return ""
     one = max(poorer, key=lambda topic: topic.received.size_bytes)

@@ -160,8 +160,10 @@ class McapFile(ContinuedFile):
         super().__init__(
             message_count=index.statistics.message_count,
             # The statistics of some writers leave out messages of stamp 0.
-            start_ns=min((index.statistics.message_start_time, *(one.message_start_time for one in chunks))),
-            end_ns=max((index.statistics.message_end_time, *(one.message_end_time for one in chunks))),
+            start_ns=min(
+                (index.statistics.message_start_time, *(chunk.message_start_time for chunk in chunks))
+            ),
+            end_ns=max((index.statistics.message_end_time, *(chunk.message_end_time for chunk in chunks))),
         )
 
     def outlines(self, channels: ChannelsByNumber, head_bytes: int) -> Iterator[Outline]:

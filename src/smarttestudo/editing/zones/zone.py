@@ -147,7 +147,7 @@ def zones_in(condition: Condition, resolve: Resolve) -> ZoneReading:
         found = _zones_of(alternative, checks, resolve)
         holds_elsewhere = holds_elsewhere or not found
         zones.update(((one.topic, tuple(sorted(one.checks.values()))), one) for one in found)
-    kept = tuple(one for one in zones.values() if not one.rectangle.is_empty)
+    kept = tuple(zone for zone in zones.values() if not zone.rectangle.is_empty)
     bounding = {number for zone in zones.values() for number in zone.checks.values()}
     return ZoneReading(
         zones=kept,
