@@ -188,7 +188,7 @@ def _once(paths: Iterable[Path]) -> tuple[tuple[Path, ...], tuple[str, ...]]:
             alike = (
                 by_size.setdefault(path.stat().st_size, []) if path.is_file() and not is_remote(path) else []
             )
-        same = next((one for one in alike if filecmp.cmp(one, path, shallow=False)), None)
+        same = next((known for known in alike if filecmp.cmp(known, path, shallow=False)), None)
         if same is None:
             kept.append(path)
             alike.append(path)

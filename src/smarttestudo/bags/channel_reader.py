@@ -139,7 +139,7 @@ class MergedChannels:
         number = self._numbers.get(key_of(channel))
         if number is None:
             number = next(
-                (one for one in alike[:MAX_COMPARED] if _means_the_same(self._merged[one], channel)), None
+                (key for key in alike[:MAX_COMPARED] if _means_the_same(self._merged[key], channel)), None
             )
         if number is None:
             number = len(self._merged)

@@ -313,7 +313,7 @@ def _types_of_idl(section: Section) -> Typesdict:
 def _struct_of_enum(enum: re.Match[str]) -> str:
     """A struct in the place of an enum, of which rosbags makes no type: one number, as in CDR."""
     bits = int(enum["bits"] or 32)
-    width = next((one for one in (8, 16, 32) if bits <= one), 32)
+    width = next((width_bits for width_bits in (8, 16, 32) if bits <= width_bits), 32)
     return f"struct {enum['name']} {{ uint{width} {_ENUM_FIELD}; }}"
 
 

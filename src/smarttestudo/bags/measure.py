@@ -269,8 +269,8 @@ def _incident(path: Path, span: RecordingSpan) -> tuple[IncidentRecord | None, t
 def _clock_notices(counters: Mapping[str, TopicCounter]) -> Iterator[str]:
     """Topics of which not all headers are stamped by the clock of their reception, those alike together."""
     alike: dict[str, list[str]] = defaultdict(list)
-    for topic, one in sorted(counters.items()):
-        notice = one.latencies.notice() if one.latencies else None
+    for topic, counter in sorted(counters.items()):
+        notice = counter.latencies.notice() if counter.latencies else None
         if notice is not None:
             alike[notice].append(topic)
     for notice, topics in alike.items():

@@ -97,9 +97,11 @@ def observed_values(
         for observed in found[channel.topic].values():
             observed.on_message(message)
     return {
-        signal: _observed_values(signal, one, channels[signal.topic].type_name, decoder.reason(signal.topic))
+        signal: _observed_values(
+            signal, observed_signal, channels[signal.topic].type_name, decoder.reason(signal.topic)
+        )
         for of_topic in found.values()
-        for signal, one in of_topic.items()
+        for signal, observed_signal in of_topic.items()
     }
 
 

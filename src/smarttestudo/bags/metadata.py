@@ -55,7 +55,7 @@ class MessageCounts:
             text = "its metadata count other messages than can be read"
         else:
             return None
-        listed = [f"of {one}" for one in differ[:_MOST_NAMES]]
+        listed = [f"of {name}" for name in differ[:_MOST_NAMES]]
         if len(differ) > _MOST_NAMES:
             listed.append(f"{grouped(len(differ) - _MOST_NAMES)} more differ")
         return "; ".join((text, *listed))

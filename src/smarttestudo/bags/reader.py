@@ -146,9 +146,9 @@ def readable_copy(path: Path, opened: ExitStack, notices: list[str]) -> tuple[Pa
 def _fetched(path: Path, opened: ExitStack) -> Path:
     """A copy of a file that cannot be read by ranges, with the log beside it; it goes with ``opened``."""
     folder = opened.enter_context(temporary_folder(prefix="testudo-"))
-    for one in (path, path.with_name(f"{path.name}-wal")):
-        if one.is_file():
-            with one.open("rb") as file, (folder / one.name).open("wb") as copy:
+    for source in (path, path.with_name(f"{path.name}-wal")):
+        if source.is_file():
+            with source.open("rb") as file, (folder / source.name).open("wb") as copy:
                 shutil.copyfileobj(file, copy, _COPIED_BYTES)
     return folder / path.name
 

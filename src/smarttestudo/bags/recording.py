@@ -245,7 +245,7 @@ class RosbagRecording:
             if before.file.end_ns - after.file.start_ns > LEAST_BACK_NS:
                 found.append((self._back_between_ns(before.file, after.file), after.path))
         # Those that go back by years are left out, which is said.
-        worth = [one for one in found if LEAST_BACK_NS < one[0] <= 2 * YEAR_NS]
+        worth = [back for back in found if LEAST_BACK_NS < back[0] <= 2 * YEAR_NS]
         for back_ns, path in sorted(worth, key=itemgetter(0))[-1:]:
             yield (
                 f"{path}: stamps go back by up to {back_ns / NS_PER_S:.1f} s, as where a clock was set: "

@@ -121,7 +121,7 @@ class RemotePath:
         # An object store may list the folder itself.
         for found in self._call(
             lambda fs, path: [
-                one for one in fs.ls(path, detail=True) if one["name"].strip("/") != path.strip("/")
+                entry for entry in fs.ls(path, detail=True) if entry["name"].strip("/") != path.strip("/")
             ]
         ):
             name = found["name"].rstrip("/").rpartition("/")[2]
@@ -133,7 +133,7 @@ class RemotePath:
     def matches(self) -> list[RemotePath]:
         """Places that the URL, a pattern, matches."""
         return self._call(
-            lambda fs, path: [self._at(fs.unstrip_protocol(one)) for one in sorted(fs.glob(path))]
+            lambda fs, path: [self._at(fs.unstrip_protocol(found)) for found in sorted(fs.glob(path))]
         )
 
     def open(self, _mode: str = "rb") -> BinaryIO:

@@ -198,7 +198,7 @@ class TransformPlaces:
         return self._channels[0].topic
 
     def on_message(self, channel: Channel, stamp_ns: int, payload: bytes) -> None:
-        if not any(channel is one for one in self._channels):
+        if not any(channel is own for own in self._channels):
             return
         message = _decoded(self._decoder, channel, payload)
         unknown: object = None

@@ -68,7 +68,7 @@ class StrayStamps:
 
 
 def _listed(counts: Mapping[str, int]) -> str:
-    (first, count), *others = sorted(counts.items(), key=lambda one: (-one[1], one[0]))
+    (first, count), *others = sorted(counts.items(), key=lambda item: (-item[1], item[0]))
     listed = [f"{counted(count, 'message')} of {first}"]
     listed += [f"{grouped(number)} of {topic}" for topic, number in others[: _MOST_TOPICS - 1]]
     rest = others[_MOST_TOPICS - 1 :]

@@ -27,10 +27,10 @@ def topic_twice(rules: RuleModel) -> Iterator[Found]:
     """
     for branch in rules.branches:
         first: dict[str, ResolvedRate] = {}
-        for one in branch.written if len(branch.written) > len(branch.settings) else ():
-            earlier = first.setdefault(one.topic, one)
-            if earlier is not one:
-                yield _repeated(one, earlier, "Else" if branch.is_else else "Then")
+        for rate in branch.written if len(branch.written) > len(branch.settings) else ():
+            earlier = first.setdefault(rate.topic, rate)
+            if earlier is not rate:
+                yield _repeated(rate, earlier, "Else" if branch.is_else else "Then")
 
 
 def _repeated(rate: ResolvedRate, earlier: ResolvedRate, side: str) -> Found:

@@ -123,7 +123,7 @@ def doubt_about(signal: Signal, context: CheckContext, named: Named = properties
         )
     type_name = context.known_type(topic)
     types = (type_name,) if type_name else conventional_types(topic)
-    if name in ARRIVAL_PROPERTIES or any(_may_have(one, name, named) for one in types):
+    if name in ARRIVAL_PROPERTIES or any(_may_have(candidate, name, named) for candidate in types):
         return None
     if type_name:
         return _not_in_type(f"{type_name}, the type of {topic},", name, named(type_name), type_name)

@@ -30,10 +30,10 @@ def tier_without_rate(rules: RuleModel) -> Iterator[Found]:
     """
     if rules.context.profile is not None:
         return
-    for one, tier in _tiers(chain.from_iterable(rules.settings.values())):
+    for setting, tier in _tiers(chain.from_iterable(rules.settings.values())):
         yield Found(
-            path=one.path,
-            span=one.statement.rate.span,
+            path=setting.path,
+            span=setting.statement.rate.span,
             message=f"{tier.value} has no rate without a profile",
             hint=f"write a rate in Hz, or {rules.context.way_to_profile}",
         )
@@ -114,7 +114,9 @@ def _cost_of_full(topic: str, rules: RuleModel) -> str:
 
 def _floored(rules: RuleModel) -> Iterator[tuple[ResolvedFloor, ResolvedRate]]:
     """Every SetFrequency of a topic with a floor."""
-    return ((floor, one) for topic, floor in rules.floors.items() for one in rules.settings.get(topic, ()))
+    return (
+        (floor, setting) for topic, floor in rules.floors.items() for setting in rules.settings.get(topic, ())
+    )
 
 
 @lint_rule("rate-below-floor", Severity.WARNING)
@@ -123,17 +125,17 @@ def rate_below_floor(rules: RuleModel) -> Iterator[Found]:
 
     No rate goes below a floor, so the topic gets the floor's rate and the written one never occurs.
     """
-    for floor, one in _floored(rules):
-        if one.rate is not None and one.rate.yields_to_floor and one.rate.hz < floor.rate.hz:
-            where = wording.place(floor.path, floor.span, seen_from=one.path)
+    for floor, setting in _floored(rules):
+        if setting.rate is not None and setting.rate.yields_to_floor and setting.rate.hz < floor.rate.hz:
+            where = wording.place(floor.path, floor.span, seen_from=setting.path)
             yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"{one.rate} is below the floor of {one.topic}: KeepAtLeast ({where}) raises it to "
-                f"{floor.rate}",
+                path=setting.path,
+                span=setting.statement.rate.span,
+                message=f"{setting.rate} is below the floor of {setting.topic}: KeepAtLeast ({where}) "
+                f"raises it to {floor.rate}",
                 hint="write the floor's rate here, or lower the floor",
                 fix=Fix(
-                    span=one.statement.rate.span,
+                    span=setting.statement.rate.span,
                     replacement=floor.statement.rate.text,
                     title="write the rate that it has anyway",
                 ),
@@ -146,16 +148,16 @@ def off_despite_floor(rules: RuleModel) -> Iterator[Found]:
 
     Off is the only rate that goes below a floor: who relies on the KeepAtLeast then receives nothing.
     """
-    for floor, one in _floored(rules):
-        if one.rate is not None and not one.rate.yields_to_floor:
-            where = wording.place(floor.path, floor.span, seen_from=one.path)
+    for floor, setting in _floored(rules):
+        if setting.rate is not None and not setting.rate.yields_to_floor:
+            where = wording.place(floor.path, floor.span, seen_from=setting.path)
             yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"Off stops {one.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
+                path=setting.path,
+                span=setting.statement.rate.span,
+                message=f"Off stops {setting.topic} although KeepAtLeast ({where}) keeps it at {floor.rate}",
                 hint="write 0 for the floor's rate, or remove the KeepAtLeast",
                 fix=Fix(
-                    span=one.statement.rate.span,
+                    span=setting.statement.rate.span,
                     replacement=floor.statement.rate.text,
                     title="write the floor's rate",
                 ),
@@ -167,7 +169,7 @@ def _thinned(rules: RuleModel) -> Iterator[tuple[ResolvedRate, str]]:
     for topic, written in rules.settings.items():
         known_type = rules.context.known_type(topic)
         source_hz = rules.context.topic(topic).source_hz or math.inf
-        thinning = (one for one in written if one.rate is None or 0 < one.rate.hz < source_hz)
+        thinning = (setting for setting in written if setting.rate is None or 0 < setting.rate.hz < source_hz)
         first = next(thinning, None)
         if known_type is not None and first is not None:
             yield first, known_type
@@ -187,17 +189,17 @@ def video_in_groups(rules: RuleModel) -> Iterator[Found]:
     picture moves, rests and moves again. Of groups that last more than two seconds, less passes than the
     rate. Where no key frame is found, because the coder is not known, all passes.
     """
-    for one, type_name in _thinned(rules):
-        if may_be_coded_video(type_name, one.topic):
-            source_hz = rules.context.topic(one.topic).source_hz
-            shown = f"at {_rate_text(one)} it shows only the beginning of each group"
-            if source_hz is not None and one.rate is not None:
-                share = f"{100 * one.rate.hz / source_hz:.0f} %"
-                shown = f"at {one.rate.hz:g} of {source_hz:g} Hz it shows the first {share} of each group"
+    for setting, type_name in _thinned(rules):
+        if may_be_coded_video(type_name, setting.topic):
+            source_hz = rules.context.topic(setting.topic).source_hz
+            shown = f"at {_rate_text(setting)} it shows only the beginning of each group"
+            if source_hz is not None and setting.rate is not None:
+                share = f"{100 * setting.rate.hz / source_hz:.0f} %"
+                shown = f"at {setting.rate.hz:g} of {source_hz:g} Hz it shows the first {share} of each group"
             yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"{one.topic} is coded video ({type_name}): {shown}",
+                path=setting.path,
+                span=setting.statement.rate.span,
+                message=f"{setting.topic} is coded video ({type_name}): {shown}",
                 hint="a group is a key frame with the differences after it; for an even picture have the "
                 "encoder send a key frame once or twice a second, or fewer frames",
             )
@@ -229,13 +231,13 @@ def patches_thinned(rules: RuleModel) -> Iterator[Found]:
     what the operator sees stays wrong until somebody sends the whole anew. The rate is obeyed all the
     same; without one such a topic is Full.
     """
-    for one, type_name in _thinned(rules):
+    for setting, type_name in _thinned(rules):
         if is_patch(type_name):
             yield Found(
-                path=one.path,
-                span=one.statement.rate.span,
-                message=f"{one.topic} has changes to what was sent before ({type_name}): at "
-                f"{_rate_text(one)} some are left out, and what is shown stays wrong",
+                path=setting.path,
+                span=setting.statement.rate.span,
+                message=f"{setting.topic} has changes to what was sent before ({type_name}): at "
+                f"{_rate_text(setting)} some are left out, and what is shown stays wrong",
                 hint="write Full, or in its place relay the topic that has the whole",
-                fix=Fix(span=one.statement.rate.span, replacement="Full", title="relay it whole"),
+                fix=Fix(span=setting.statement.rate.span, replacement="Full", title="relay it whole"),
             )

@@ -154,5 +154,5 @@ def _names_in(statement: Statement) -> Iterator[TopicName]:
     yield from (check.topic for check in checks_in(statement.condition))
     for side in (statement.then, statement.otherwise):
         by_kind: tuple[Action, ...] = (*sets_in(side), *bounds_in(side), *records_in(side))
-        for one in side if statement.is_disabled else by_kind:
-            yield from one.topics if isinstance(one, RecordIncident) else (one.topic,)
+        for action in side if statement.is_disabled else by_kind:
+            yield from action.topics if isinstance(action, RecordIncident) else (action.topic,)

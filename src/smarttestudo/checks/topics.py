@@ -35,10 +35,10 @@ def unknown_property(rules: RuleModel) -> Iterator[Found]:
     a type of your own settles it.
     """
     doubt_of = cache(partial(doubt_about, context=rules.context))
-    for one in (*rules.checks, *rules.disabled_checks):
-        doubt = doubt_of(one.signal)
+    for check in (*rules.checks, *rules.disabled_checks):
+        doubt = doubt_of(check.signal)
         if doubt is not None:
-            yield found_in(one.path, one.syntax.property_span, doubt)
+            yield found_in(check.path, check.syntax.property_span, doubt)
 
 
 @lint_rule("nothing-relayed", Severity.WARNING, needs_all_statements=True)
@@ -182,7 +182,7 @@ def absent_from_profile(rules: RuleModel) -> Iterator[Found]:
     recorded = {topic for recording in rules.recordings for topic in recording.topics}
     for topic, mention in rules.mentions.items():
         if topic not in profile.topics and topic not in recorded:
-            close = next((one for one in profile.topics if _is_one_letter_off(topic, one)), None)
+            close = next((known for known in profile.topics if _is_one_letter_off(topic, known)), None)
             if close is not None:
                 yield Found(
                     path=mention.path,

@@ -137,7 +137,7 @@ class IncidentRecord:
     def extended(self, triggered_ns: int, values: Mapping[str, float | None], to_ns: int) -> IncidentRecord:
         """The record of an incident with one moment more, whose window is open until ``to_ns``."""
         further = self.further_moments
-        listed = sum(len(one.values) for one in further) + len(values)
+        listed = sum(len(moment.values) for moment in further) + len(values)
         if len(further) < MAX_FURTHER_MOMENTS and listed <= _MAX_FURTHER_VALUES:
             further = (*further, FurtherMoment(triggered_ns=triggered_ns, values=values))
         return replace(self, to_ns=to_ns, moments=self.moments + 1, further_moments=further)

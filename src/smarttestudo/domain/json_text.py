@@ -75,7 +75,7 @@ def read_any(value: object) -> object:
     if isinstance(value, dict):
         return read_mapping(value, read_any)
     if isinstance(value, list):
-        return [read_any(one) for one in value]
+        return [read_any(item) for item in value]
     return in_utf_8(value) if isinstance(value, str) else value
 
 
@@ -83,7 +83,7 @@ def read_mapping(value: object, read: Callable[[Any], Any]) -> dict[str, Any]:
     """An object, its values by ``read``. Raises ``ValueError`` for none, and for keys that become alike."""
     if not isinstance(value, dict):
         raise ValueError("not an object")  # noqa: TRY004 - a stranger's text
-    found = {in_utf_8(name): read(one) for name, one in value.items()}
+    found = {in_utf_8(name): read(item) for name, item in value.items()}
     if len(found) < len(value):
         raise ValueError("two keys differ in what UTF-8 cannot say only")
     return found

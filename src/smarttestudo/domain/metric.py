@@ -79,8 +79,8 @@ def metered_fields(kind: Any) -> tuple[MeteredField, ...]:
 def _metered(kind: Any) -> Iterator[MeteredField]:
     for name, key, hint in _typed_names(kind):
         found = marks(hint)
-        mark = next((one for one in found if isinstance(one, Metered)), None)
-        entry = next((one for one in found if isinstance(one, JsonEntry)), JsonEntry())
+        mark = next((annotation for annotation in found if isinstance(annotation, Metered)), None)
+        entry = next((annotation for annotation in found if isinstance(annotation, JsonEntry)), JsonEntry())
         if mark is not None:
             yield MeteredField((entry.name or key,), mark, attrgetter(name))
         inner = _record_in(hint)

@@ -31,7 +31,7 @@ def visible(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(one if _has_a_place(one) else _escape(one) for one in text)
+    return "".join(character if _has_a_place(character) else _escape(character) for character in text)
 
 
 def _has_a_place(character: str) -> bool:

@@ -134,11 +134,11 @@ def _added_times(old: _Changed, new: Sequence[Timed], words: TokenRange) -> list
     needs_group = isinstance(old.core, Not | And | Or)
     found = [TextEdit(start, start, "("), TextEdit(end, end, ")")] if needs_group else []
     staying = list(old.times)
-    for one in new:
-        if staying and _is_same(staying[0], one):
+    for timed in new:
+        if staying and _is_same(staying[0], timed):
             end = words.places.range(staying.pop(0).duration.span)[1]
         else:
-            found.append(TextEdit(end, end, f" {time_text(one)}"))
+            found.append(TextEdit(end, end, f" {time_text(timed)}"))
     return None if staying else found
 
 

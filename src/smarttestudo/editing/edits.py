@@ -141,7 +141,7 @@ def moved(document: Document, name: str, part_name: str, index: int) -> str:
     """The text with statement ``name``, as it is written, at place ``index`` among the others."""
     entry = _entry(document, name)
     part = _part(document, part_name)
-    others = tuple(one for one in part.entries if one is not entry)
+    others = tuple(other for other in part.entries if other is not entry)
     if not 0 <= index <= len(others):
         raise EditError(f"the collection has no place {index}", remedy="read the document again")
     if entry in part.entries and part.entries.index(entry) == index:
@@ -166,7 +166,7 @@ def _entry(document: Document, name: str) -> Entry:
 
 
 def _part(document: Document, name: str) -> CollectionPart:
-    part = next((one for one in document.parts if one.id == name), None)
+    part = next((known for known in document.parts if known.id == name), None)
     if part is None or part.begin is None:
         raise EditError(
             f"the text has no collection {name!r} to write in",
@@ -199,7 +199,9 @@ def _printed(content: Statement | str) -> str:
 
 def _indent(part: CollectionPart, index: int) -> str:
     near = [*part.entries[max(index - 1, 0) : index], *part.entries[index : index + 1]]
-    known = next((one.token_range.indent for one in near if one.token_range.indent is not None), None)
+    known = next(
+        (sibling.token_range.indent for sibling in near if sibling.token_range.indent is not None), None
+    )
     base = part.begin.indent if part.begin is not None else None
     return known if known is not None else (base or "") + " " * INDENT
 
@@ -220,10 +222,10 @@ def _put(place: _Place, contents: Sequence[Statement | str], body: str, line_end
     point = before[0].token_range if before else place.part.begin
     if point is None:
         raise EditError("there is no collection to write in", remedy=_NO_COLLECTION)
-    text_edits = [_end_if(one, line_end) for one in before if takes_in(one, contents[0])]
-    if any(_is_apart(one, contents[0]) for one in before):
+    text_edits = [_end_if(sibling, line_end) for sibling in before if takes_in(sibling, contents[0])]
+    if any(_is_apart(sibling, contents[0]) for sibling in before):
         body = line_end + body
-    if any(_is_apart(one, contents[-1]) for one in following) and not _is_blank_behind(point):
+    if any(_is_apart(sibling, contents[-1]) for sibling in following) and not _is_blank_behind(point):
         body += line_end
     return [*text_edits, addition(point, body, line_end)]
 

@@ -53,8 +53,8 @@ def with_comments(old: Block, new: Block, *, inside: TokenRange) -> Block:
     return replace(
         new,
         condition=with_comments_preserved(old.condition, new.condition),
-        then=tuple(_with_comments(one, old.then, from_else) for one in new.then),
-        otherwise=tuple(_with_comments(one, old.otherwise, from_then) for one in new.otherwise),
+        then=tuple(_with_comments(action, old.then, from_else) for action in new.then),
+        otherwise=tuple(_with_comments(action, old.otherwise, from_then) for action in new.otherwise),
         has_end_if=old.has_end_if,
         trivia=replace(old.trivia, above=above, blank_above=False),
         if_trivia=old.if_trivia,
@@ -109,14 +109,14 @@ def _with_checks(condition: Condition, checks: Mapping[Meaning, deque[Check]]) -
 def _gone(old: Sequence[Action], new: Sequence[Action]) -> list[Action]:
     """Actions of one side of a block that it has no more: they may have gone to the other."""
     left = set(map(_subject, new))
-    return [one for one in old if _subject(one) not in left]
+    return [action for action in old if _subject(action) not in left]
 
 
 def _with_comments(new: Action, *sides: Sequence[Action]) -> Action:
     """``new`` with the comments of the action of its subject on the first of ``sides`` that has one."""
-    for one in chain(*sides):
-        if _subject(one) == _subject(new):
-            return one if meaning(one) == meaning(new) else replace(new, trivia=one.trivia)
+    for action in chain(*sides):
+        if _subject(action) == _subject(new):
+            return action if meaning(action) == meaning(new) else replace(new, trivia=action.trivia)
     return new
 
 

@@ -71,7 +71,7 @@ def apply(text: str, text_edits: Iterable[TextEdit]) -> str:
 
     A keyword in ``text`` may have no blank behind it: what comes there does not make one word with it.
     """
-    ordered = sorted(text_edits, key=lambda one: (one.start, one.end))
+    ordered = sorted(text_edits, key=lambda edit: (edit.start, edit.end))
     for text_edit in reversed(ordered):
         before, after = text[: text_edit.start], text[text_edit.end :]
         left, right = _blank(before, text_edit.replacement), _blank(text_edit.replacement, after)

@@ -63,7 +63,7 @@ def first_record(incident: Incident, latched: Sequence[IncidentMessage]) -> Inci
         values=trigger.values,
         rules_sha256=incident.rules_sha256,
         topics={topic: IncidentTopic(type_name="", messages=0, size_bytes=0) for topic in recording.topics},
-        latched=tuple(LatchedSample(topic=one.topic, stamp_ns=one.stamp_ns) for one in latched),
+        latched=tuple(LatchedSample(topic=sample.topic, stamp_ns=sample.stamp_ns) for sample in latched),
     )
 
 
@@ -256,7 +256,7 @@ def _why_unended(record: IncidentRecord, *, has_reserve: bool) -> MissingReason 
     """
     if any(topic.type_name for topic in record.topics.values()):
         return None
-    reasons = {one.reason for one in record.missing}
+    reasons = {missing.reason for missing in record.missing}
     if reasons == {MissingReason.KILLED}:
         return MissingReason.KILLED if has_reserve else MissingReason.DISK
     # An older version writes a first record that says nothing of it.
@@ -286,5 +286,5 @@ def _is_of_latched(record: IncidentRecord, content: FileContent) -> bool:
     return (
         content.first_ns == content.last_ns <= max(0, record.from_ns)
         and content.message_count <= len(record.latched)
-        and content.messages.keys() <= {one.topic for one in record.latched}
+        and content.messages.keys() <= {sample.topic for sample in record.latched}
     )

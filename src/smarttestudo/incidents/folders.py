@@ -270,6 +270,6 @@ class IncidentFolders:
 
 def _still_missing(found: _OpenFolder, missing: Sequence[Missing]) -> Iterator[Missing]:
     """``missing``, without what the memory lacked and the disk had."""
-    yield from (one for one in missing if one.reason is not MissingReason.MEMORY)
+    yield from (entry for entry in missing if entry.reason is not MissingReason.MEMORY)
     for given_up in found.given_up:
         yield from missing_for_memory(given_up, found.holds)

@@ -118,18 +118,18 @@ class LatchedSamples:
     def counting_at(self, from_ns: int) -> list[SourceMessage]:
         """The messages that came before ``from_ns`` and counted until then, in their order."""
         return sorted(
-            one.message
-            for one in self._all()
-            if one.at_ns < from_ns and (one.keys or one.replaced_ns >= from_ns)
+            sample.message
+            for sample in self._all()
+            if sample.at_ns < from_ns and (sample.keys or sample.replaced_ns >= from_ns)
         )
 
     def since(self, from_ns: int) -> list[SourceMessage]:
         """The messages that came at ``from_ns`` or later, in their order."""
-        return sorted(one.message for one in self._all() if one.at_ns >= from_ns)
+        return sorted(sample.message for sample in self._all() if sample.at_ns >= from_ns)
 
     def given_up_of(self, from_ns: int) -> list[GivenUp]:
         """Samples that a window from ``from_ns`` on lacks: those that counted as it began or came in it."""
-        found = (one for replaced_ns, one in self._given_up if replaced_ns >= from_ns)
+        found = (sample for replaced_ns, sample in self._given_up if replaced_ns >= from_ns)
         return sorted(found, key=attrgetter("number"))
 
     def _all(self) -> set[_Sample]:

@@ -231,7 +231,7 @@ class LiveIncidents(Part):
 
     def _ended(self, path: Path, record: IncidentRecord) -> None:
         name = path.name.removeprefix(".").removesuffix(PARTIAL_SUFFIX)
-        self._missing += sum(one.messages or 0 for one in record.missing)
+        self._missing += sum(missing.messages or 0 for missing in record.missing)
         words = [missing_text(record.missing)]
         if name != path.name:
             words.append("the next run completes it" if path.exists() else "nothing of it was written")
@@ -263,12 +263,14 @@ def delete_for_room(robot: Robot, settings: Settings, newest: str | None = None)
     if folder is None or max_gb is None or not folder.is_dir():
         return
     try:
-        for one in make_room(folder, round(max_gb * BYTES_PER_GB), newest):
-            if one.problem is not None:
-                robot.log.warning(f"incident {one.name}: stays, though room is needed: {one.problem}")
+        for deletion in make_room(folder, round(max_gb * BYTES_PER_GB), newest):
+            if deletion.problem is not None:
+                robot.log.warning(
+                    f"incident {deletion.name}: stays, though room is needed: {deletion.problem}"
+                )
                 continue
-            read = "read" if one.was_read else "not read by anyone"
-            robot.log.warning(f"incident {one.name}: deleted to make room, {read}")
+            read = "read" if deletion.was_read else "not read by anyone"
+            robot.log.warning(f"incident {deletion.name}: deleted to make room, {read}")
     except TestudoError as error:
         robot.log.warning(str(error))
 

@@ -232,7 +232,7 @@ class OutageFolder:
                 spanning(self._record, [content] if content.message_count else []),
                 topics={
                     topic: IncidentTopic(type_name="", messages=0, size_bytes=0)
-                    for topic in (*content.messages, *(one.topic for one in self.missing))
+                    for topic in (*content.messages, *(missing.topic for missing in self.missing))
                 },
                 missing=self.missing,
             )

@@ -21,13 +21,13 @@ def unsubscribed(topic: str, from_ns: int, to_ns: int, reason: MissingReason = M
     return Missing(topic=topic, reason=reason, messages=None, from_ns=from_ns, to_ns=to_ns)
 
 
-def add_unsubscribed(missing: list[Missing], one: Missing) -> None:
+def add_unsubscribed(missing: list[Missing], added: Missing) -> None:
     """Add that nobody was subscribed to a topic, together with the time right before it."""
     for place, known in enumerate(missing):
-        if (known.topic, known.reason, known.to_ns) == (one.topic, one.reason, one.from_ns):
-            missing[place] = replace(known, to_ns=one.to_ns)
+        if (known.topic, known.reason, known.to_ns) == (added.topic, added.reason, added.from_ns):
+            missing[place] = replace(known, to_ns=added.to_ns)
             return
-    missing.append(one)
+    missing.append(added)
 
 
 def missing_for_memory(
@@ -38,7 +38,7 @@ def missing_for_memory(
         lacking: Sequence[int] = range(len(messages))
         if is_held is not None:
             # A list of the messages would take more memory than all that is kept of them.
-            lacking = array("q", (at for at, one in enumerate(messages) if not is_held(one.number)))
+            lacking = array("q", (at for at, message in enumerate(messages) if not is_held(message.number)))
         if lacking:
             yield Missing(
                 topic=topic,
@@ -67,8 +67,8 @@ def add_loss(losses: list[Missing], loss: Missing) -> None:
 def missing_text(missing: Iterable[Missing]) -> str:
     """Words for what is missing and was counted, the most first; empty where nothing was."""
     counts = Counter[tuple[str, str]]()
-    for one in missing:
-        counts[one.topic, one.reason.value] += one.messages or 0
+    for entry in missing:
+        counts[entry.topic, entry.reason.value] += entry.messages or 0
     named = [
         f"{grouped(count)} of {topic} ({reason})" for (topic, reason), count in counts.most_common() if count
     ]

@@ -150,7 +150,7 @@ class IncidentRecorder:
         """When, on the clock, the next window is over."""
         if not self._open:
             return None
-        return self.time.on_clock(min(one.over_ns for one in self._open) + 1)
+        return self.time.on_clock(min(window.over_ns for window in self._open) + 1)
 
     def change_rules(self, rule_set: RuleSet, rules_sha256: str = "") -> None:
         """Keep what these rules ask for; windows that are open stay so."""
@@ -220,9 +220,9 @@ class IncidentRecorder:
         if self._open:
             is_latched = samples is not None
             keeping = [
-                one.incident
-                for one in self._open
-                if now_ns <= one.end_ns and (is_latched or topic in one.topics)
+                window.incident
+                for window in self._open
+                if now_ns <= window.end_ns and (is_latched or topic in window.topics)
             ]
             if keeping:
                 self._sink.write(message, keeping)
@@ -236,16 +236,16 @@ class IncidentRecorder:
         ring = self._rings.get(topic)
         if ring is not None:
             ring.lose(lost, self.time.now_ns)
-        for one in self._open:
-            if topic in one.topics and self.time.now_ns <= one.end_ns:
-                add_loss(one.lost.setdefault(topic, []), lost)
+        for window in self._open:
+            if topic in window.topics and self.time.now_ns <= window.end_ns:
+                add_loss(window.lost.setdefault(topic, []), lost)
 
     def begin(self, trigger: Trigger) -> None:
         """Open or extend the windows of a block that begins to hold; what it read was taken before."""
         self.advance(trigger.stamp_ns)
         now_ns = self.time.now_ns
         for recording in trigger.block.recordings:
-            known = next((one for one in self._open if one.is_extended_by(recording, now_ns)), None)
+            known = next((window for window in self._open if window.is_extended_by(recording, now_ns)), None)
             if known is not None:
                 self._extend(known, trigger, recording)
             elif len(self._open) >= MAX_OPEN_INCIDENTS:
@@ -256,24 +256,24 @@ class IncidentRecorder:
     def advance(self, now_ns: int) -> None:
         """Time passed: close the windows that are over."""
         steady_ns = self.time.advance(now_ns)
-        if self._open and any(one.over_ns < steady_ns for one in self._open):
-            over = [one for one in self._open if one.over_ns < steady_ns]
-            self._note_open([one for one in self._open if one.over_ns >= steady_ns])
-            for one in over:
-                self._sink.end(one.incident, one.all_missing())
+        if self._open and any(window.over_ns < steady_ns for window in self._open):
+            over = [window for window in self._open if window.over_ns < steady_ns]
+            self._note_open([window for window in self._open if window.over_ns >= steady_ns])
+            for window in over:
+                self._sink.end(window.incident, window.all_missing())
 
     def finish(self, now_ns: int) -> None:
         """No more messages come: close all windows."""
         self.advance(now_ns)
-        for one in self._open:
+        for window in self._open:
             ended = (
                 Missing(
-                    topic=topic, reason=MissingReason.ENDED, messages=None, from_ns=now_ns, to_ns=one.to_ns
+                    topic=topic, reason=MissingReason.ENDED, messages=None, from_ns=now_ns, to_ns=window.to_ns
                 )
-                for topic in sorted(set(one.incident.recording.topics))
+                for topic in sorted(set(window.incident.recording.topics))
             )
             self._sink.end(
-                one.incident, (*one.all_missing(), *(ended if one.end_ns > self.time.now_ns else ()))
+                window.incident, (*window.all_missing(), *(ended if window.end_ns > self.time.now_ns else ()))
             )
         self._note_open(())
 
@@ -321,15 +321,19 @@ class IncidentRecorder:
             if topic not in self._rings and complete_ns is not None and complete_ns > from_ns:
                 window.missing.append(unsubscribed(topic, incident.from_ns, self.time.on_clock(complete_ns)))
         past = self._past(window, from_ns, counting=True)
-        latched = sorted(one for samples in self._latched.values() for one in samples.counting_at(from_ns))
+        latched = sorted(
+            sample for samples in self._latched.values() for sample in samples.counting_at(from_ns)
+        )
         self._sink.begin(incident, replace(past, latched=latched))
         self._note_open((*self._open, window))
 
     def _extend(self, window: _Window, trigger: Trigger, recording: RecordRequest) -> None:
         now_ns = self.time.now_ns
         self.further_moments += 1
-        for one in self._unsubscribed(recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns):
-            add_unsubscribed(window.missing, one)
+        for missing in self._unsubscribed(
+            recording, window.begun_ns, window.begun_stamp_ns, trigger.stamp_ns
+        ):
+            add_unsubscribed(window.missing, missing)
         past = Past()
         if window.end_ns < now_ns:
             past = self._past(window, window.end_ns + 1, counting=False)
@@ -350,10 +354,10 @@ class IncidentRecorder:
         held = {topic: ring.held_since(from_ns) for topic, ring in rings.items()}
         # Latched ones of the window that no ring holds.
         inside = sorted(
-            one
+            sample
             for topic, samples in self._latched.items()
-            for one in samples.since(from_ns)
-            if topic not in held or not held[topic].holds(one.number)
+            for sample in samples.since(from_ns)
+            if topic not in held or not held[topic].holds(sample.number)
         )
         gone = {topic: ring.given_up_since(from_ns) for topic, ring in rings.items()}
         given_up = self._given_up(gone, inside, from_ns, counting=counting)
@@ -392,9 +396,9 @@ class IncidentRecorder:
         for topic, samples in self._latched.items():
             # A ring knows what came in the window.
             lacking = [
-                one
-                for one in samples.given_up_of(from_ns)
-                if (counting if one.at_ns < from_ns else topic not in gone)
+                sample
+                for sample in samples.given_up_of(from_ns)
+                if (counting if sample.at_ns < from_ns else topic not in gone)
             ]
             if lacking:
                 found[topic] = (*lacking, *found.get(topic, ()))

@@ -79,7 +79,7 @@ class RingFiles:
 
     def messages(self, given_up: Mapping[str, Sequence[GivenUp]]) -> list[StoredMessage]:
         """Messages among those given up that are there, in their order; valid until the next is stored."""
-        wanted = {one.number: (topic, one.stamp_ns) for topic, given in given_up.items() for one in given}
+        wanted = {gone.number: (topic, gone.stamp_ns) for topic, given in given_up.items() for gone in given}
         found = [
             StoredMessage(number=number, topic=topic, stamp_ns=stamp_ns, file=file, index=index)
             for file in self._files

@@ -47,7 +47,7 @@ class Past:
 
     def latched_of(self, topic: str) -> Iterator[GivenUp]:
         """Messages of a topic among those given up that came before the window."""
-        return takewhile(lambda one: one.at_ns < self.from_ns, self.given_up[topic])
+        return takewhile(lambda message: message.at_ns < self.from_ns, self.given_up[topic])
 
 
 class IncidentSink(Protocol):

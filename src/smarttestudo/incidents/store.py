@@ -65,7 +65,7 @@ class StoredIncident:
             messages=sum(topic.messages for topic in self.record.topics.values()),
             size_bytes=self.size_bytes,
             is_read=self.is_read,
-            missing=tuple(dict.fromkeys(one.reason.value for one in self.record.missing)),
+            missing=tuple(dict.fromkeys(missing.reason.value for missing in self.record.missing)),
             moments=self.record.moments,
         )
 
@@ -190,7 +190,7 @@ def remove_incident(folder: Path) -> None:
         if not stems:
             remedy = "look at what the folder is, and remove it yourself"
             raise RecordingError(error.cause, place=error.place, remedy=remedy) from error
-    names = sorted(one.name for one in folder.iterdir())
+    names = sorted(file.name for file in folder.iterdir())
     ours = [name for name in names if _is_of_incident(name, stems)]
     try:
         # As long as something is there, it is the folder of an incident, and can be removed once more.
@@ -222,7 +222,7 @@ def _is_of_incident(name: str, stems: Iterable[str]) -> bool:
     if name in {RECORD_NAME, METADATA_NAME, READ_NAME, RESERVE_NAME} or _UNFINISHED.match(name):
         return True
     stem = _RECORDING.match(name)
-    return stem is not None and any(stem[1] == one or stem[2] == one for one in stems)
+    return stem is not None and any(stem[1] == own or stem[2] == own for own in stems)
 
 
 def _mode(path: Path) -> int:

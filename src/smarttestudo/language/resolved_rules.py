@@ -172,7 +172,7 @@ class ResolvedRules:
     @property
     def floors_hz(self) -> Mapping[str, float]:
         """The floors in Hz."""
-        return {topic: one.rate.hz for topic, one in self.floors.items()}
+        return {topic: floor.rate.hz for topic, floor in self.floors.items()}
 
     @property
     def always_bounds(self) -> Sequence[ResolvedBound]:
@@ -237,14 +237,14 @@ class _Reader:
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:
             return
-        written = tuple(self._rate(block.path, one) for one in sets_in(actions))
+        written = tuple(self._rate(block.path, rate) for rate in sets_in(actions))
         branch = Branch(
             order=len(self.branches),
             block=block,
             is_else=is_else,
             form=negation(block.form) if is_else else block.form,
             written=written,
-            settings={one.topic: one for one in written},
+            settings={rate.topic: rate for rate in written},
             bounds=tuple(
                 self._bound(block.path, bound, (block.order, is_else)) for bound in bounds_in(actions)
             ),

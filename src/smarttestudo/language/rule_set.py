@@ -275,7 +275,7 @@ class _Compiler:
         return self._regions.setdefault(found, found)
 
     def _block(self, branch: Branch) -> RuleBlock:
-        rates = {topic: self._rate(one) for topic, one in branch.settings.items()}
+        rates = {topic: self._rate(setting) for topic, setting in branch.settings.items()}
         resolved, block = branch.block, branch.block.block
         return RuleBlock(
             order=branch.order,
@@ -297,11 +297,15 @@ class _Compiler:
     def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:
         """Of several bounds of one property the tightest counts."""
         found: dict[str, dict[str, float]] = {}
-        for one in bounds:
-            written = one.statement.bound
-            bound = self._tiers.tier_bound(one.statement, one.path) if isinstance(written, Tier) else written
-            of_topic = found.setdefault(one.topic, {})
-            of_topic[one.signal.property] = min(bound, of_topic.get(one.signal.property, math.inf))
+        for resolved in bounds:
+            written = resolved.statement.bound
+            bound = (
+                self._tiers.tier_bound(resolved.statement, resolved.path)
+                if isinstance(written, Tier)
+                else written
+            )
+            of_topic = found.setdefault(resolved.topic, {})
+            of_topic[resolved.signal.property] = min(bound, of_topic.get(resolved.signal.property, math.inf))
         return found
 
     def _rate(self, rate: ResolvedRate) -> Rate:

@@ -413,4 +413,4 @@ def times_in(condition: Condition) -> Iterator[Timed]:
 
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
-    return (one for one in conditions_in(condition) if isinstance(one, Check))
+    return (part for part in conditions_in(condition) if isinstance(part, Check))

@@ -209,10 +209,14 @@ def _with_renamed_bounds(
 ) -> PlannedRate:
     """``planned``, its bounds decided by the blocks as the new rules have them."""
     reasons = {
-        name: one
-        if one.rule is None or one.line is None
-        else replace(one, rule=new_blocks[one.rule, one.line].label, line=new_blocks[one.rule, one.line].line)
-        for name, one in planned.bound_reasons.items()
+        name: reason
+        if reason.rule is None or reason.line is None
+        else replace(
+            reason,
+            rule=new_blocks[reason.rule, reason.line].label,
+            line=new_blocks[reason.rule, reason.line].line,
+        )
+        for name, reason in planned.bound_reasons.items()
     }
     return replace(planned, bound_reasons=reasons)
 

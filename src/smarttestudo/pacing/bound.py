@@ -48,7 +48,7 @@ def _new_record(by_bound: dict[float, BoundRecord], bound: float) -> BoundRecord
     """The record of a bound that has none: a new one, or where there are many, that of the next wider one."""
     if len(by_bound) < MOST_BOUNDS:
         return by_bound.setdefault(bound, BoundRecord(bound))
-    record = by_bound[min((one for one in by_bound if one > bound), default=max(by_bound))]
+    record = by_bound[min((larger for larger in by_bound if larger > bound), default=max(by_bound))]
     record.bound = max(record.bound, bound)
     return record
 

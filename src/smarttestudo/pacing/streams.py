@@ -186,7 +186,7 @@ class NamedStreams(Streams[AnyStream]):
             return ()
         passes: list[Pass] = []
         due = [stream for stream in self._streams.values() if stream.release_ns <= now_ns]
-        for stream in sorted(due, key=lambda one: one.held_number):
+        for stream in sorted(due, key=lambda stream_due: stream_due.held_number):
             if stream.held is not None:
                 passes += self._release_older(stream.held, stream.held_number, now_ns)
                 passes += self._release(stream, now_ns)

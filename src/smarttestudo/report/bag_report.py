@@ -179,15 +179,15 @@ def _held_at(start_ns: int, decisions: Sequence[Decision]) -> list[Decision]:
     """The last decision on each topic that was relayed just before ``start_ns``, by the run of that time."""
     held: dict[str, Decision] = {}
     run_ns = None
-    for began_ns, one in with_run_starts(decisions):
+    for began_ns, decision in with_run_starts(decisions):
         if began_ns != run_ns and began_ns <= start_ns:
             run_ns = began_ns
             held.clear()
-        if one.stamp_ns >= start_ns:
+        if decision.stamp_ns >= start_ns:
             break
-        held.pop(one.topic, None)
-        if not one.is_end:
-            held[one.topic] = one
+        held.pop(decision.topic, None)
+        if not decision.is_end:
+            held[decision.topic] = decision
     return [*held.values()]
 
 

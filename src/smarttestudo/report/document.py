@@ -232,9 +232,16 @@ def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Ma
 
 def _stretches(report: RunReport) -> str:
     """Says so where a point of a chart stands for more than a second, or where there is none."""
-    if not any(one.before.rate_hz or one.after.rate_hz for one in report.series):
+    if not any(topic_series.before.rate_hz or topic_series.after.rate_hz for topic_series in report.series):
         return " There is none to show: the recording holds no whole second."
-    points = next((one.before.rate_hz for one in report.series if len(one.before.rate_hz) > 1), ())
+    points = next(
+        (
+            topic_series.before.rate_hz
+            for topic_series in report.series
+            if len(topic_series.before.rate_hz) > 1
+        ),
+        (),
+    )
     seconds = points[1].t_s - points[0].t_s if points else 1.0
     if seconds < 2:
         return ""

@@ -236,7 +236,7 @@ class PathPiece:
 
 def known_places(path: Iterable[PathPoint]) -> list[PathPoint]:
     """``path`` without the points whose place is unknown or beyond any map."""
-    return [one for one in path if abs(one.x_m) < _FARTHEST_M and abs(one.y_m) < _FARTHEST_M]
+    return [place for place in path if abs(place.x_m) < _FARTHEST_M and abs(place.y_m) < _FARTHEST_M]
 
 
 def thinned(path: Sequence[PathPoint], max_points: int = MAX_POINTS) -> list[PathPoint]:

@@ -169,7 +169,8 @@ def _stretch_notes(losses: Iterable[BoundLoss]) -> Iterator[str]:
             continue
         shown = loss.stretches[:_MOST_STRETCHES]
         named = "; ".join(
-            f"{grouped(one.from_s, 2)} to {grouped(one.to_s, 2)} s{_by(one, loss.unit)}" for one in shown
+            f"{grouped(stretch.from_s, 2)} to {grouped(stretch.to_s, 2)} s{_by(stretch, loss.unit)}"
+            for stretch in shown
         )
         more = loss.stretch_count - len(shown)
         rest = f"; and {grouped(more)} more" if more else ""

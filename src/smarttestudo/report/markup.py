@@ -44,7 +44,7 @@ def tag(name: str, /, *children: Child, **attributes: Attribute) -> Markup:
 
 def join(children: Iterable[Child]) -> Markup:
     """``children`` one after the other."""
-    return Markup("".join(one.html if isinstance(one, Markup) else _text(one) for one in children))
+    return Markup("".join(part.html if isinstance(part, Markup) else _text(part) for part in children))
 
 
 def name_parts(topic: str) -> list[Child]:
@@ -68,7 +68,7 @@ def _value(value: Attribute) -> str:
 def _text(text: str) -> str:
     """``text`` escaped, line breaks and tabs kept, all else by which others could mislead as an escape."""
     if not text.isprintable():
-        text = "".join(one if one in _KEPT_CONTROLS else visible(one) for one in text)
+        text = "".join(character if character in _KEPT_CONTROLS else visible(character) for character in text)
     return escape(text)
 
 

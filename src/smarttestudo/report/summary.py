@@ -94,10 +94,10 @@ def fixed_price(loss: LossReport) -> str:
     poorer = [topic for topic in loss.topics if topic.fixed.messages < _FEWER * topic.received.messages]
     if not poorer:
         return ""
-    one = max(poorer, key=lambda topic: topic.received.size_bytes)
+    topic_loss = max(poorer, key=lambda topic: topic.received.size_bytes)
     return (
-        f"For that, fixed rates bring {counted(one.fixed.messages, 'message')} of {one.topic}, "
-        f"where rules bring {grouped(one.received.messages)}."
+        f"For that, fixed rates bring {counted(topic_loss.fixed.messages, 'message')} of {topic_loss.topic}, "
+        f"where rules bring {grouped(topic_loss.received.messages)}."
     )
 
 
@@ -116,12 +116,12 @@ def volume_text(size_bytes: float) -> str:
 
 def volume_unit(size_bytes: float) -> tuple[int, str]:
     """The bytes of the unit in which ``size_bytes`` read best, and its name."""
-    return next((one for one in _VOLUMES if size_bytes >= one[0]), (BYTES_PER_KB, "KB"))
+    return next((scale for scale in _VOLUMES if size_bytes >= scale[0]), (BYTES_PER_KB, "KB"))
 
 
 def time_text(duration_s: float) -> str:
     """``duration_s`` in hours, minutes or seconds, whichever reads best."""
-    factor, unit = next(one for one in _TIMES if duration_s >= one[0])
+    factor, unit = next(scale for scale in _TIMES if duration_s >= scale[0])
     value = duration_s / (factor or 1.0)
     return f"{format_number(value, 0 if value >= _WHOLE_FROM else 1)} {unit}"
 

@@ -198,8 +198,10 @@ def rate_heights(series: TopicSeries, targets: Iterable[TargetSpan]) -> Scale:
 def bandwidth_charts(report: RunReport) -> list[TimeChart]:
     """For each charted topic its bandwidth."""
     return [
-        _bandwidth_chart(report, one, f"Bandwidth of {one.topic} over time, in KB/s", budget=None)
-        for one in charted_series(report)
+        _bandwidth_chart(
+            report, topic_series, f"Bandwidth of {topic_series.topic} over time, in KB/s", budget=None
+        )
+        for topic_series in charted_series(report)
     ]
 
 

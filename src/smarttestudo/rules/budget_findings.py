@@ -95,7 +95,7 @@ class _Reporter:
                 f"more situations than the {shown} worst break the budget",
                 hint="fix those first",
             )
-        yield from (self._unproven(one) for one in checked.unproven)
+        yield from (self._unproven(pair) for pair in checked.unproven)
         if not fits(checked.start_up_kb_per_s, self._budget):
             yield self._start_up(checked, rule_set)
         if not checked.breaking and not checked.unproven:

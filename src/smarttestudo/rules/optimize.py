@@ -164,7 +164,7 @@ def optimize_json(outcome: OptimizeOutcome) -> dict[str, object]:
     """One object: defaults and blocks with their rates, what they use, and why."""
     done = outcome.optimization
     explained = {id(solved): explanation for solved, explanation in outcome.explained()}
-    refused = {id(one.solved): one for one in outcome.infeasible}
+    refused = {id(infeasible.solved): infeasible for infeasible in outcome.infeasible}
     defaults, *blocks = (
         _subproblem(solved, explained.get(id(solved)), refused.get(id(solved))) for solved in done.subproblems
     )

@@ -186,7 +186,7 @@ def _plain(value: str | float | Sequence[float]) -> str | float | list[float]:
         return value
     if isinstance(value, int | float):
         return _number(value)
-    return [_number(one) for one in value]
+    return [_number(item) for item in value]
 
 
 def _number(value: float) -> float:

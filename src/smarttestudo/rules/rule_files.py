@@ -139,9 +139,9 @@ def _near(path: Path) -> list[str]:
         path = path.parent
     try:
         names = [
-            path.with_name(one.name)
-            for one in os.scandir(path.parent)
-            if one.is_dir() or (one.name.endswith(SUFFIX) and one.is_file())
+            path.with_name(entry.name)
+            for entry in os.scandir(path.parent)
+            if entry.is_dir() or (entry.name.endswith(SUFFIX) and entry.is_file())
         ]
     except OSError:
         return []

@@ -226,7 +226,7 @@ def _waypoint(table: object, place: str) -> Waypoint:
     at_m = table["at_m"]
     if not isinstance(at_m, list) or len(at_m) != 2:
         raise MissionError("at_m must be [x, y] in metres", place=place)
-    x_m, y_m = (_number(one, "at_m", -_MOST_M, _MOST_M, place) for one in at_m)
+    x_m, y_m = (_number(coordinate, "at_m", -_MOST_M, _MOST_M, place) for coordinate in at_m)
     fastest = DriveModel().max_linear_m_per_s
     return Waypoint(
         place=Point(x_m, y_m),

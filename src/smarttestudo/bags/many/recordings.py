@@ -125,24 +125,24 @@ def pair_recordings(
         return (RecordingPair(a=first[0].path, b=second[0].path),)
     partners = _by_key(second)
     pairs: list[RecordingPair | RecordingError] = []
-    for one in first:
-        partner = partners.pop(one.key, None)
+    for recording in first:
+        partner = partners.pop(recording.key, None)
         pairs.append(
-            _alone(one, b)
+            _alone(recording, b)
             if partner is None
-            else RecordingPair(a=one.path, b=partner.path, key=one.key, robot=one.robot)
+            else RecordingPair(a=recording.path, b=partner.path, key=recording.key, robot=recording.robot)
         )
-    return (*pairs, *(_alone(one, a) for one in partners.values()))
+    return (*pairs, *(_alone(recording, a) for recording in partners.values()))
 
 
 def _by_key(found: Sequence[FoundRecording]) -> dict[str, FoundRecording]:
-    return {one.key: one for one in found}
+    return {recording.key: recording for recording in found}
 
 
-def _alone(one: FoundRecording, other: str) -> RecordingError:
+def _alone(recording: FoundRecording, other: str) -> RecordingError:
     return RecordingError(
-        f"{other} has no recording {one.key or one.path.name}",
-        place=str(one.path),
+        f"{other} has no recording {recording.key or recording.path.name}",
+        place=str(recording.path),
         remedy="recordings are paired by their names below the folder, or by what the pattern leaves open",
     )
 

@@ -274,7 +274,11 @@ def _wanted(found: list[FoundMessage], chunk: ChunkEntry, channels: ChannelsByNu
     """The messages of ``channels`` among those ``found`` in a chunk, which are to be those of its indexes."""
     if Counter(map(itemgetter(1), found)) != Counter(chunk.indexed):
         raise OutlineError("a chunk holds other messages than its indexes name")
-    return found if chunk.indexed.keys() <= channels.keys() else [one for one in found if one[1] in channels]
+    return (
+        found
+        if chunk.indexed.keys() <= channels.keys()
+        else [entry for entry in found if entry[1] in channels]
+    )
 
 
 def _require_in_chunk(op: int) -> None:

@@ -300,7 +300,7 @@ def complete_files(folder: Path) -> dict[str, FileContent]:
     """
     files: dict[str, FileContent] = {}
     # The file of latched messages was written after those that begin when it does.
-    for file in sorted(folder.glob("*.mcap"), key=lambda one: (len(one.name), one.name), reverse=True):
+    for file in sorted(folder.glob("*.mcap"), key=lambda path: (len(path.name), path.name), reverse=True):
         if file.is_symlink():
             continue
         if _has_no_beginning(file):

@@ -111,7 +111,7 @@ class BranchIndex:
 
     def topic_branches(self, branch: Branch) -> tuple[TopicBranches, ...]:
         """The branches that set the topics of ``branch``, once for topics that are set alike."""
-        found = {id(one): one for one in (self._by_topic[topic] for topic in branch.settings)}
+        found = {id(setting): setting for setting in (self._by_topic[topic] for topic in branch.settings)}
         return tuple(found.values())
 
     def around(

@@ -59,7 +59,9 @@ def analyse(
         shared_borders=tuple(found for found in conflicts if isinstance(found, SharedBorder)),
         shadows=tuple(shadows),
         gaps=tuple(gap for gap in gaps if gap is not None),
-        redundant_rates=tuple(one for one in redundant if one.branch.order not in shadowed),
+        redundant_rates=tuple(
+            redundant_rate for redundant_rate in redundant if redundant_rate.branch.order not in shadowed
+        ),
         unfinished=analyst.unfinished,
     )
 

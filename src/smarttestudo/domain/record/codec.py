@@ -301,13 +301,13 @@ def _record(kind: type) -> _Converter:
 
 
 def _optional(hint: Any, entry: JsonEntry) -> _Converter:
-    one = _converter(hint, entry)
+    converter = _converter(hint, entry)
     return _Converter(
-        encode=one.encode,
-        decode=lambda value: None if value is None else one.decode(value),
+        encode=converter.encode,
+        decode=lambda value: None if value is None else converter.decode(value),
         null=(None,),
-        is_measured=one.is_measured,
-        record=one.record,
+        is_measured=converter.is_measured,
+        record=converter.record,
     )
 
 
@@ -370,8 +370,8 @@ def _fixed(items: list[_Converter]) -> _Converter:
 def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Converter:
     if origin is tuple and parts[-1] is not ...:
         return _fixed([_converter(part, JsonEntry()) for part in parts])
-    hint, one = parts[0], _converter(parts[0], JsonEntry())
-    encode, decode = one.encode, one.decode
+    hint, converter = parts[0], _converter(parts[0], JsonEntry())
+    encode, decode = converter.encode, converter.decode
     if entry.keyed_by:
         return _keyed(hint, entry.keyed_by)
     if entry.are_rows:
@@ -386,8 +386,8 @@ def _several(origin: type, parts: tuple[Any, ...], entry: JsonEntry) -> _Convert
         # A set has no order that would be the same tomorrow.
         encode=_each(encode, sorted if origin is frozenset else list),
         decode=read,
-        is_measured=one.is_measured,
-        record=one.record,
+        is_measured=converter.is_measured,
+        record=converter.record,
     )
 
 
@@ -426,13 +426,13 @@ def _keyed(kind: type, field: str) -> _Converter:
 
 
 def _mapping(hint: Any) -> _Converter:
-    one = _converter(hint, JsonEntry())
-    encode = one.encode
+    converter = _converter(hint, JsonEntry())
+    encode = converter.encode
     return _Converter(
         encode=dict
         if encode is None
         else lambda value: {name: None if found is None else encode(found) for name, found in value.items()},
-        decode=lambda value: read_mapping(value, one.decode),
-        is_measured=one.is_measured,
-        record=one.record,
+        decode=lambda value: read_mapping(value, converter.decode),
+        is_measured=converter.is_measured,
+        record=converter.record,
     )

@@ -148,7 +148,7 @@ class MessageType:
 
     def value(self, name: str) -> ValueProperty | None:
         """The property ``name`` that messages have a value of."""
-        return next((one for one in self.values if one.spec.name == name), None)
+        return next((declared for declared in self.values if declared.spec.name == name), None)
 
     def part_at(self, path: str) -> tuple[MessagePart, str] | None:
         """The part that holds the field ``path``, and the path in it."""
@@ -369,7 +369,7 @@ def known_types() -> tuple[str, ...]:
 
 def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
     """The named properties of ``type_name`` for checks, without those of every topic."""
-    return {one.spec.name: one.spec for one in message_type(type_name).values}
+    return {declared.spec.name: declared.spec for declared in message_type(type_name).values}
 
 
 def properties_for_bounds() -> Mapping[str, tuple[PropertySpec, ...]]:

@@ -78,7 +78,7 @@ class CommandSubscribers(Part):
             found = self._robot.own_subscribers(topic)
         except RosError as error:
             return None, str(error)
-        types = sorted({one.type_name for one in found if one.node != self._robot.name})
+        types = sorted({endpoint.type_name for endpoint in found if endpoint.node != self._robot.name})
         if len(types) > 1:
             return None, f"nodes subscribe to it as {' and as '.join(types)}"
         if types and not self._robot.data_path.knows(types[0]):

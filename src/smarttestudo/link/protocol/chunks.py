@@ -248,7 +248,7 @@ class ReceivedSessions:
     @property
     def ended(self) -> tuple[Acknowledgement, ...]:
         """The acknowledgements of the sessions before it, the oldest first."""
-        return tuple([one for _, one in self._ended])
+        return tuple([session for _, session in self._ended])
 
     def _begin(self, chunk: Chunk) -> None:
         if self.session:

@@ -145,7 +145,10 @@ class CommandSender:
         self._received_ns = now_ns
         self._clock.add(report.sent_ns, now_ns)
         if report.streams:
-            self._streams = {one.topic.topic: (number, one) for number, one in enumerate(report.streams)}
+            self._streams = {
+                topic_stream.topic.topic: (number, topic_stream)
+                for number, topic_stream in enumerate(report.streams)
+            }
         self._acknowledge(report.acknowledged.get(self._sender), now_ns)
 
     def put(self, topic: str, publisher: Hashable, payload: bytes, now_ns: int) -> bool:
@@ -155,7 +158,7 @@ class CommandSender:
             counts.too_large += 1
             return False
         key = (topic, publisher)
-        others = [one for one in self._waiting if one[0] == topic and one != key]
+        others = [waiting for waiting in self._waiting if waiting[0] == topic and waiting != key]
         if len(others) >= MAX_PUBLISHERS:
             del self._waiting[others[0]]
             counts.replaced += 1
@@ -325,13 +328,13 @@ class CommandReceiver:
 
     def follow(self, topic: str, type_name: str | None, problem: str | None = None) -> None:
         """From now on deliver messages of ``topic`` with that type; without one, none."""
-        for one in self._topics:
-            known = (one.state.type_name, one.state.problem)
-            if one.state.topic != topic or known == (type_name, problem):
+        for accepted in self._topics:
+            known = (accepted.state.type_name, accepted.state.problem)
+            if accepted.state.topic != topic or known == (type_name, problem):
                 continue
-            if one.state.type_name != type_name:
-                one.revision = (one.revision + 1) % _REVISIONS
-            one.state = replace(one.state, type_name=type_name, problem=problem)
+            if accepted.state.type_name != type_name:
+                accepted.revision = (accepted.revision + 1) % _REVISIONS
+            accepted.state = replace(accepted.state, type_name=type_name, problem=problem)
             self._reported_streams_ns = None
             self._has_news = True
 
@@ -354,9 +357,9 @@ class CommandReceiver:
 
     def fail(self, topic: str) -> None:
         """The last message of ``topic`` could not be published."""
-        for one in self._topics:
-            if one.state.topic == topic:
-                one.count(delivered=-1, refused=1)
+        for accepted in self._topics:
+            if accepted.state.topic == topic:
+                accepted.count(delivered=-1, refused=1)
 
     def sent_names(self, now_ns: int) -> list[tuple[str, ...]]:
         """The names that each operator's end sends, of the ends that were heard lately."""
@@ -411,7 +414,7 @@ class CommandReceiver:
         sender = self._senders.get(number)
         if sender is None:
             if len(self._senders) >= MAX_SENDERS:
-                del self._senders[min(self._senders, key=lambda one: self._senders[one].last_ns)]
+                del self._senders[min(self._senders, key=lambda key: self._senders[key].last_ns)]
             sender = self._senders[number] = _Sender(now_ns)
             # Who has just come wants to know the topics.
             self._reported = ()

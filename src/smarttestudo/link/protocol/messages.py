@@ -168,9 +168,9 @@ def _check_report(report: Report) -> None:
     _require(len(report.predicts) <= MAX_PREDICTED, "too many topics")
     _require_topics(report.predicts)
     _require(len(report.ended) <= MAX_ENDED, "too many sessions")
-    for one in (report.received, *report.ended):
-        _require(0 <= one.session < 2**32 and one.received_bytes >= 0, "no session")
-        _require(len(one.lost) <= MAX_LOST_SPANS, "too many lost messages")
+    for session in (report.received, *report.ended):
+        _require(0 <= session.session < 2**32 and session.received_bytes >= 0, "no session")
+        _require(len(session.lost) <= MAX_LOST_SPANS, "too many lost messages")
 
 
 def _check_control(said: Announcement | LinkTimes) -> None:

@@ -91,7 +91,7 @@ class Outbox:
         """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
         return not self._had_session or not (
             self._streams[stream].has_work
-            or any(one.stream == stream and one.is_kept for _, one in self._under_way)
+            or any(sent.stream == stream and sent.is_kept for _, sent in self._under_way)
         )
 
     def close(self, stream: int, now_ns: int) -> StreamCounts:
@@ -379,7 +379,7 @@ class Outbox:
         """Have only frames wait that can be decoded without any that was under way."""
         waiting = [*(() if begun is None else (begun,)), *stream.slots.values()]
         stream.slots, stream.lanes, stream.slots_bytes = {}, {}, 0
-        begins = [at for at, one in enumerate(waiting) if one.begins_group]
+        begins = [at for at, frame in enumerate(waiting) if frame.begins_group]
         first = begins[-1] if begins else len(waiting) - (not group.is_known)
         for message in waiting[: max(first, 0)]:
             self._leave_out(stream, message)

@@ -81,11 +81,13 @@ class Receivers:
         self._forget_lost(now_ns)
         if not self._known or len(self._known) > MAX_RECEIVERS:
             return frozenset()
-        return frozenset.intersection(*(one.predicts for one in self._known.values()))
+        return frozenset.intersection(*(receiver.predicts for receiver in self._known.values()))
 
     def _forget_lost(self, now_ns: int) -> None:
         self._known = {
-            number: one for number, one in self._known.items() if now_ns - one.last_ns <= self._lost_after_ns
+            number: receiver
+            for number, receiver in self._known.items()
+            if now_ns - receiver.last_ns <= self._lost_after_ns
         }
 
 
@@ -131,7 +133,7 @@ class LinkSender(Generic[_Request]):
 
     def open(self, info: StreamInfo, now_ns: int) -> int | None:
         """The number of a new stream; ``None`` where there are too many."""
-        number = next((one for one in range(1, MAX_STREAMS) if one not in self._infos), None)
+        number = next((free for free in range(1, MAX_STREAMS) if free not in self._infos), None)
         if number is None:
             return None
         self._closed.discard(number)
@@ -167,7 +169,9 @@ class LinkSender(Generic[_Request]):
         a topic is reckoned when it has begun anew.
         """
         self._anew |= set(anew)
-        self._predictions = {topic: one for topic, one in predictions.items() if topic in self._anew}
+        self._predictions = {
+            topic: prediction for topic, prediction in predictions.items() if topic in self._anew
+        }
         for number, info in self._infos.items():
             said = replace(info, prediction=self._predictions.get(info.topic))
             if said != info:
@@ -293,7 +297,7 @@ class LinkSender(Generic[_Request]):
             self._outages += absent_ns > self.scheduler.stalled_after_ns
 
     def _close_drained(self, now_ns: int) -> None:
-        for stream in [one for one in self._ending if self._outbox.is_drained(one)]:
+        for stream in [ending for ending in self._ending if self._outbox.is_drained(ending)]:
             self._close(stream, now_ns)
 
     def _close(self, stream: int, now_ns: int) -> None:

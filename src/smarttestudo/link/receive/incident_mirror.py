@@ -142,12 +142,12 @@ class IncidentMirror:
         return 0.0 if self._has_more else POLL_PERIOD_S
 
     def _mirror(self, robot: str) -> None:
-        for one in sorted(self._incidents.list(robot), key=lambda one: -one.triggered_ns):
-            folder = self._folders.of(one)
-            if folder is None or incident_there(folder, one.name) or self._worker.is_closed:
+        for incident in sorted(self._incidents.list(robot), key=lambda incident: -incident.triggered_ns):
+            folder = self._folders.of(incident)
+            if folder is None or incident_there(folder, incident.name) or self._worker.is_closed:
                 continue
             turn = _Turn(self._steady_s)
-            self._try(robot, one.name, partial(self._fetch, one, folder, turn))
+            self._try(robot, incident.name, partial(self._fetch, incident, folder, turn))
             if turn.is_stalled or turn.is_long:
                 self._has_more |= turn.is_long
                 return

@@ -92,7 +92,7 @@ class Predictor:
     def due_ns(self) -> int | None:
         """When ``predicted`` may have something."""
         due_ns = (topic.due_ns for topic in self._topics.values())
-        return min((one for one in due_ns if one is not None), default=None)
+        return min((at_ns for at_ns in due_ns if at_ns is not None), default=None)
 
     def predicted(self, now_ns: int) -> Iterator[ReceivedMessage]:
         """The messages that are due, at the time at which the robot is now."""
@@ -142,7 +142,7 @@ class Predictor:
         """A robot is there: the runs of its end that are gone do not come back."""
         for key in [key for key in self._streams if key[:2] in self._absent and key[0] == robot]:
             self._follow(*key, None)
-        self._absent = {one for one in self._absent if one[0] != robot}
+        self._absent = {absent for absent in self._absent if absent[0] != robot}
 
     def _show(self, topic: _Topic, message: ReceivedMessage, now_ns: int) -> None:
         source = _source_of(message)

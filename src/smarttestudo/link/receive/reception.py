@@ -72,7 +72,7 @@ class TopicStreams:
         if info is not None:
             self._of_boots.setdefault(key.boot, {})[key.number] = info
             self._of_publishers.setdefault(info.publisher, {})[key] = info
-        touched = {one.publisher for one in (before, info) if one is not None}
+        touched = {known_info.publisher for known_info in (before, info) if known_info is not None}
         owner = min(self._of_boots, key=self._rank, default=None)
         if owner != self.owner:
             self.owner = owner
@@ -87,7 +87,7 @@ class TopicStreams:
         """The stream that counts as that of a publisher: the owner's last one before all others."""
         known = self._of_publishers.get(publisher, {})
         counting = [CountedStream(key, info) for key, info in known.items() if self.counts(key.boot, info)]
-        of_owner = [one for one in counting if one.key.boot == self.owner]
+        of_owner = [stream for stream in counting if stream.key.boot == self.owner]
         return of_owner[-1] if of_owner else next(iter(counting), None)
 
     def counts(self, boot: str, info: StreamInfo) -> bool:
@@ -285,7 +285,9 @@ class Reception:
             known.streams[key] = info
         if before is not None and before != info:
             self._drop_held(robot, key.boot, before)
-        for stream in {one.topic: one for one in (before, info) if one is not None}.values():
+        for stream in {
+            known_info.topic: known_info for known_info in (before, info) if known_info is not None
+        }.values():
             topic = _topic(known, stream)
             publishers = topic.streams.follow(key, info if stream is info else None)
             said_again = stream.publisher if stream is info else None

@@ -70,7 +70,14 @@ class StatusSink:
         status = self.statuses().get(robot)
         if status is None:
             return None
-        return next((one.source_hz for one in status.topics.values() if one.output == topic), None)
+        return next(
+            (
+                topic_status.source_hz
+                for topic_status in status.topics.values()
+                if topic_status.output == topic
+            ),
+            None,
+        )
 
 
 def _status(payload: bytes) -> RuntimeStatus | None:

@@ -84,7 +84,7 @@ class IncidentCatalog:
         if not self._folder.is_dir():
             return []
         found = IncidentStore(self._folder).incidents()
-        return [one.listed() for one in found if not isinstance(one, RecordingError)]
+        return [incident.listed() for incident in found if not isinstance(incident, RecordingError)]
 
     def index(self, name: str) -> IncidentIndex:
         """An incident, looked through where that was not done lately. Raises ``LinkError``."""
@@ -136,14 +136,14 @@ def _with_copies(head: Sequence[ByteRange], files: Sequence[Path]) -> Sequence[B
     """``head`` where the same definitions in several files travel once."""
     seen: dict[bytes, tuple[int, int]] = {}
     found = []
-    for one in head:
+    for part in head:
         copy_of = None
-        if one.size_bytes <= _MOST_COPIED_BYTES:
-            with files[one.file].open("rb") as opened:
-                data = os.pread(opened.fileno(), one.size_bytes, one.offset)
-            copy_of = seen.setdefault(data, (one.file, one.offset))
-        is_first = copy_of in (None, (one.file, one.offset))
-        found.append(one if is_first else one._replace(copy_of=copy_of))
+        if part.size_bytes <= _MOST_COPIED_BYTES:
+            with files[part.file].open("rb") as opened:
+                data = os.pread(opened.fileno(), part.size_bytes, part.offset)
+            copy_of = seen.setdefault(data, (part.file, part.offset))
+        is_first = copy_of in (None, (part.file, part.offset))
+        found.append(part if is_first else part._replace(copy_of=copy_of))
     return found
 
 

@@ -203,7 +203,7 @@ def list_to_bytes(incidents: Sequence[RemoteIncident]) -> bytes:
 
 def list_from_bytes(data: bytes, robot: str) -> list[RemoteIncident]:
     """The incidents of ``list_to_bytes``. Raises ``LinkError``."""
-    return [replace(one, robot=robot) for one in LISTS.from_bytes(data)]
+    return [replace(incident, robot=robot) for incident in LISTS.from_bytes(data)]
 
 
 def piece_from_bytes(data: bytes, most_bytes: int) -> TransferPiece:

@@ -64,7 +64,14 @@ class TransferOrder:
         self, head: Sequence[ByteRange], messages: Sequence[MessageRange], tail: Sequence[ByteRange] = ()
     ) -> None:
         ranked = sorted(_ranked(messages))
-        self._ranges = [*head, *(ByteRange(one.file, one.offset, one.size_bytes) for _, one in ranked), *tail]
+        self._ranges = [
+            *head,
+            *(
+                ByteRange(message_range.file, message_range.offset, message_range.size_bytes)
+                for _, message_range in ranked
+            ),
+            *tail,
+        ]
         self._ends = list(accumulate(range_.size_bytes for range_ in self._ranges))
         self.size_bytes = self._ends[-1] if self._ends else 0
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))

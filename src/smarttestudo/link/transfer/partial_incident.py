@@ -119,9 +119,9 @@ class PartialIncident:
         Raises ``LinkError`` where they are not: what was fetched is deleted then.
         """
         wrong = [
-            one.name
-            for one, file in zip(self._plan.files, self._files, strict=True)
-            if _sha256(file) != one.sha256
+            planned.name
+            for planned, file in zip(self._plan.files, self._files, strict=True)
+            if _sha256(file) != planned.sha256
         ]
         try:
             if wrong:
@@ -143,7 +143,7 @@ class PartialIncident:
         """Leave the folder as it is; none where nothing is in it."""
         if self._has_lock and not self.cursor:
             # Of an earlier plan there may be more: then it stays.
-            ours = [one.name for one, _ in zip(self._plan.files, self._files, strict=False)]
+            ours = [planned.name for planned, _ in zip(self._plan.files, self._files, strict=False)]
             with suppress(OSError, TestudoError):
                 remove(self.path, dict.fromkeys((*ours, STATE_NAME, _LOCK_NAME)), with_folder=True)
         for file in (*self._files, self._lock):
@@ -215,7 +215,11 @@ class PartialIncident:
         former = state.get("files")
         names = [file.name for file in self._plan.files]
         if isinstance(former, list):
-            names += [one for one in former if isinstance(one, str) and is_incident_file_name(one)]
+            names += [
+                former_name
+                for former_name in former
+                if isinstance(former_name, str) and is_incident_file_name(former_name)
+            ]
         remove(self.path, dict.fromkeys((*names, STATE_NAME)))
 
 

@@ -144,7 +144,7 @@ def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
         return LinkClient(config, known, options.connect)
     at_each = [replace(options, connect=(endpoint,)) for endpoint in dict.fromkeys(options.connect)]
     return LinkClients(
-        [LinkClient(*session_config(one, "client", lambda _: None), one.connect) for one in at_each]
+        [LinkClient(*session_config(own, "client", lambda _: None), own.connect) for own in at_each]
     )
 
 

@@ -190,7 +190,10 @@ class CommandOutbox:
 
     def _add(self, boot: Boot, now_ns: int) -> CommandSender | None:
         if len(self._senders) >= MAX_ROBOTS:
-            gone = next((one for one, sender in self._senders.items() if not sender.is_present(now_ns)), None)
+            gone = next(
+                (gone_key for gone_key, sender in self._senders.items() if not sender.is_present(now_ns)),
+                None,
+            )
             if gone is None:
                 return None
             del self._senders[gone]

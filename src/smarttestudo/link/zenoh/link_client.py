@@ -110,8 +110,8 @@ class LinkClient(QueryClient):
 
     def _why(self) -> str:
         found = [why_unreachable(endpoint, self._known) for endpoint in self._endpoints]
-        self._is_refused = any(one.is_refused for one in found)
-        return "; ".join(one.why for one in found)
+        self._is_refused = any(problem.is_refused for problem in found)
+        return "; ".join(problem.why for problem in found)
 
     def _fail(self, error: Exception) -> None:
         self._unreachable = f"{', '.join(self._endpoints)}: {error}"

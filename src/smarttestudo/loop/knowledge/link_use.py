@@ -305,7 +305,7 @@ class LinkUse:
 
 def _stale_after_ns(rule_set: RuleSet, profile: Profile) -> dict[str, int | None]:
     after_s = {topic: profile.topic(topic).stale_after_s for topic in rule_set.relayed}
-    return {topic: None if one is None else ns_from_s(one) for topic, one in after_s.items()}
+    return {topic: None if stale_s is None else ns_from_s(stale_s) for topic, stale_s in after_s.items()}
 
 
 def _entries(rule_set: RuleSet, profile: Profile) -> dict[str, TopicProfile]:

@@ -140,7 +140,10 @@ class Estimate:
     def is_taken_over(self, readings: Sequence[Reading | None], publisher: Hashable) -> bool:
         """Whether all that was read is reckoned from what another publisher said since."""
         taken_over = [
-            any(one.moves and one.publisher != publisher for one in _same(gauge, known, part))
+            any(
+                known_part.moves and known_part.publisher != publisher
+                for known_part in _same(gauge, known, part)
+            )
             for gauge, known, parts in zip(self._gauges, self._shown, readings, strict=True)
             for part in parts or ()
         ]
@@ -201,4 +204,8 @@ def _same(gauge: Gauge, known: Mapping[Hashable, Shown], part: MovingPart) -> It
     if gauge.is_shared:
         shown = known.get(part.name)
         return iter(() if shown is None else (shown,))
-    return (one for one in known.values() if part.frames is not None and one.part.frames == part.frames)
+    return (
+        known_part
+        for known_part in known.values()
+        if part.frames is not None and known_part.part.frames == part.frames
+    )

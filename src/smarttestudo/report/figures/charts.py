@@ -267,14 +267,18 @@ _AFTER_BARS: Mapping[str, Any] = {"facecolor": "none", "edgecolor": INK, "linewi
 
 def intervals_figure(report: RunReport) -> Figure | None:
     """A histogram for each topic, over a logarithmic axis of the time between messages."""
-    shown = [one for one in charted_series(report) if one.before.intervals or one.after.intervals]
+    shown = [
+        topic_series
+        for topic_series in charted_series(report)
+        if topic_series.before.intervals or topic_series.after.intervals
+    ]
     if not shown:
         return None
-    names = [one.topic for one in shown]
+    names = [topic_series.topic for topic_series in shown]
     figure, grid = _grid(names, "Time between two messages in ms", "Share of all in %", shares_x=False)
-    for axes, one in zip(grid, shown, strict=True):
-        _bars(axes, one.before.intervals, _BEFORE_BARS)
-        _bars(axes, one.after.intervals, _AFTER_BARS)
+    for axes, topic_series in zip(grid, shown, strict=True):
+        _bars(axes, topic_series.before.intervals, _BEFORE_BARS)
+        _bars(axes, topic_series.after.intervals, _AFTER_BARS)
         _scale_intervals(axes)
     if report.is_pair:
         before = Patch(label=plain(report.names.before), **_BEFORE_BARS)
@@ -284,11 +288,11 @@ def intervals_figure(report: RunReport) -> Figure | None:
 
 
 def _bars(axes: Axes, bins: Sequence[IntervalBin], style: Mapping[str, Any]) -> None:
-    count = sum(one.count for one in bins)
+    count = sum(bin_.count for bin_ in bins)
     axes.bar(
-        [one.from_s * _MS_PER_S for one in bins],
-        [100 * one.count / count for one in bins],
-        width=[(one.to_s - one.from_s) * _MS_PER_S for one in bins],
+        [bin_.from_s * _MS_PER_S for bin_ in bins],
+        [100 * bin_.count / count for bin_ in bins],
+        width=[(bin_.to_s - bin_.from_s) * _MS_PER_S for bin_ in bins],
         align="edge",
         **style,
     )

@@ -130,7 +130,9 @@ def _draw_occupancy(axes: Axes, occupancy: OccupancyMap) -> None:
 
 
 def _draw_path(axes: Axes, floor: FloorMap) -> None:
-    axes.plot([one.x_m for one in floor.line], [one.y_m for one in floor.line], color="white", linewidth=4.5)
+    axes.plot(
+        [place.x_m for place in floor.line], [place.y_m for place in floor.line], color="white", linewidth=4.5
+    )
     for points, style in floor.pieces:
         drawn = rule_line(style)
         axes.plot(

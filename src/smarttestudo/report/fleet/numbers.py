@@ -166,12 +166,12 @@ class Volume:
         """The share of the messages that the operator did not get; ``None`` where there is none to get."""
         return percent(self.lost, self.shared_messages)
 
-    def _count(self, one: TopicNumbers | RuleNumbers, received_bytes: int | None) -> None:
-        self.messages += one.messages
-        self.size_bytes += one.size_bytes
-        self.lost += one.lost
+    def _count(self, numbers: TopicNumbers | RuleNumbers, received_bytes: int | None) -> None:
+        self.messages += numbers.messages
+        self.size_bytes += numbers.size_bytes
+        self.lost += numbers.lost
         if received_bytes is not None:
-            self.shared_messages += one.messages
+            self.shared_messages += numbers.messages
             self.received_bytes += received_bytes
 
 

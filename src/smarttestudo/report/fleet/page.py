@@ -126,7 +126,7 @@ def _stacked(
     if is_bytes:
         unit_size, unit = volume_unit(highest)
     else:
-        unit_size, unit = next((one for one in _COUNTS if highest >= one[0]), (1, ""))
+        unit_size, unit = next((count_unit for count_unit in _COUNTS if highest >= count_unit[0]), (1, ""))
     layers = tuple(
         Layer(name=key, points=_steps([value / unit_size for value in values]))
         for key, values in parts.items()
@@ -203,7 +203,9 @@ def _label(totals: FleetTotals, columns: Sequence[TrendColumn], number: int) -> 
     first = columns[number].first
     if totals.trend.step is not Step.DAY:
         return first
-    day, begin, end = (date.fromisoformat(one) for one in (first, columns[0].first, columns[-1].last))
+    day, begin, end = (
+        date.fromisoformat(day_text) for day_text in (first, columns[0].first, columns[-1].last)
+    )
     month = month_abbr[day.month]
     return f"{day.day} {month}" if end - begin < _YEAR else f"{month} {day.year}"
 
@@ -362,7 +364,7 @@ def _lines(lines: Lines, noun: str) -> Iterator[Markup]:
 
 
 def _recordings(report: FleetReport) -> Markup:
-    names = [_name(one, report.own_report(one)) for one in report.totals.worst]
+    names = [_name(recording, report.own_report(recording)) for recording in report.totals.worst]
     explanation = (
         "“Its report” has the command that makes the report of that recording alone, beside this page. A "
         "name is a link where that report lay there when this page was made."

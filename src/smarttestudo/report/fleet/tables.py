@@ -44,7 +44,7 @@ _Summed = TypeVar("_Summed", bound=Volume)
 
 def recording_table(totals: FleetTotals) -> Table[tuple[RecordingNumbers, Sums]]:
     """The worst recordings."""
-    shown = [(one, of_recording(one)) for one in totals.worst]
+    shown = [(recording, of_recording(recording)) for recording in totals.worst]
     return Table(
         title="Recordings",
         columns=(
@@ -118,7 +118,9 @@ def rule_table(totals: FleetTotals) -> Table[tuple[str, RuleSums]]:
 
 def bound_table(totals: FleetTotals) -> Table[tuple[tuple[str, float, str], BoundSums]]:
     """The bounds of the rules, those that were broken most often first."""
-    ranked = sorted(totals.bounds.items(), key=lambda one: (-one[1].broken, one[0]))
+    ranked = sorted(
+        totals.bounds.items(), key=lambda ranked_bound: (-ranked_bound[1].broken, ranked_bound[0])
+    )
     return Table(
         title="Bounds of the rules",
         columns=(

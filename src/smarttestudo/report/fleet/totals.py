@@ -221,5 +221,7 @@ class FleetTotals:
         """At most ``MOST_ROWS`` recordings, the worst first."""
         return [
             recording
-            for _, _, recording in sorted(self._worst, key=lambda one: (one[0], one[1]), reverse=True)
+            for _, _, recording in sorted(
+                self._worst, key=lambda ranked: (ranked[0], ranked[1]), reverse=True
+            )
         ]

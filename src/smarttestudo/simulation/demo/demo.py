@@ -96,7 +96,7 @@ def run_demo(request: DemoRequest) -> DemoOutcome:
     return DemoOutcome(
         report=report,
         decisions=len(decisions),
-        notices=(*(one.notice for one in (rules, *bounding) if one.notice), *notices),
+        notices=(*(run.notice for run in (rules, *bounding) if run.notice), *notices),
     )
 
 

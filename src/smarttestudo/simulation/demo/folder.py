@@ -145,7 +145,7 @@ def _refuse_foreign(out: Path, made: Collection[str], filled: Mapping[str, Colle
             place=str(out),
             remedy="name another folder with --out",
         )
-    foreign = next((one for name in sorted(made) for one in _foreign(out / name, filled.get(name))), None)
+    foreign = next((file for name in sorted(made) for file in _foreign(out / name, filled.get(name))), None)
     if foreign is not None:
         raise DemoFolderError(
             f"holds what was not made by 'testudo demo': {foreign.relative_to(out)}",
@@ -160,7 +160,7 @@ def _foreign(made: Path, names: Collection[str] | None) -> Iterator[Path]:
         yield made
     elif made.is_dir():
         files = _recording_files(made) if names is None else names
-        yield from (one for one in sorted(made.iterdir()) if one.is_symlink() or one.name not in files)
+        yield from (file for file in sorted(made.iterdir()) if file.is_symlink() or file.name not in files)
 
 
 def _recording_files(folder: Path) -> Collection[str]:

@@ -56,10 +56,10 @@ def recorded(
 def lost_lines(folder: Path, subscribed: Mapping[str, Subscription]) -> list[str]:
     """Messages that the recording ``folder`` lacks of those sent to it, a line for each topic."""
     return [
-        f"{folder.name}: {grouped(one.dropped)} of {grouped(one.sent)} messages of {topic} "
+        f"{folder.name}: {grouped(subscription.dropped)} of {grouped(subscription.sent)} messages of {topic} "
         "were lost on their way"
-        for topic, one in subscribed.items()
-        if one.dropped and one.sent
+        for topic, subscription in subscribed.items()
+        if subscription.dropped and subscription.sent
     ]
 
 

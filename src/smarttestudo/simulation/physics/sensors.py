@@ -33,7 +33,7 @@ class InertialSensor:
         noise = self.noise.standard_normal(9).tolist()
         angular, force = body.mean_inertial()
         turned = InertialUnit.yaw_noise_rad
-        roll, pitch, yaw = (turned * one for one in noise[:3])
+        roll, pitch, yaw = (turned * deviation for deviation in noise[:3])
         turning_noise, force_noise = InertialUnit.angular_noise_rad_per_s, InertialUnit.linear_noise_m_per_s2
         message = messages.imu(
             body.now_ns,
