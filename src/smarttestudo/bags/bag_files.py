@@ -246,7 +246,7 @@ def _storage_files(folder: Path) -> tuple[Path, ...]:
     if not paths:
         for path in files:
             if path.suffix == ROS1_SUFFIX and path.is_file():
-                # Those of ROS 1 are refused with the command that converts them.
+                # Files of ROS 1 are refused with the command that converts them.
                 require_bag_file(path)
         raise RecordingError("the folder holds no .db3 or .mcap file", place=str(folder), remedy=_EXPECTED)
     if len(set(map(_storage_suffix, paths))) > 1:

@@ -127,11 +127,11 @@ class MergedChannels:
             self._add(channel)
 
     def all(self) -> tuple[Channel, ...]:
-        """All of them, in the order in which they came."""
+        """The merged channels, in the order in which they were added."""
         return tuple(self._merged)
 
     def of(self, channel: Channel) -> Channel:
-        """The one that ``channel`` went into."""
+        """The merged channel that ``channel`` went into."""
         return self._merged[self._numbers[key_of(channel)]]
 
     def _add(self, channel: Channel) -> None:

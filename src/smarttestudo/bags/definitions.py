@@ -371,7 +371,7 @@ class RosbagDecoder:
         self._reasons: dict[str, str] = {}
 
     def why_undecodable(self, channel: Channel) -> str | None:
-        """As ``TypeLibrary``: of a type that the bag defines or ROS 2 knows, CDR is decoded."""
+        """Why no message of the channel can be decoded; ``None`` for CDR of a type of the bag or of ROS 2."""
         return self._library.why_undecodable(channel)
 
     def is_standard(self, channel: Channel) -> bool:

@@ -72,7 +72,7 @@ def incident_mark(record: IncidentRecord, span: RecordingSpan) -> IncidentMark:
 
 
 def incident_text(record: IncidentRecord) -> str:
-    """Its name, when it happened, the rule, what its condition read, and how often it began to hold again."""
+    """The name and time of an incident, the rule, what its condition read, and how often it held again."""
     return f"{record.name} at {utc_time(record.triggered_ns)}: {_reason(record)}"
 
 

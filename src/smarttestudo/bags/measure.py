@@ -160,7 +160,7 @@ class _Robot:
 
     @property
     def path(self) -> tuple[PathPoint, ...]:
-        """Where it was."""
+        """The places where the robot was."""
         return tuple(self._places.path) if self._places else ()
 
     def sizes(self) -> Iterator[RecordedSize]:

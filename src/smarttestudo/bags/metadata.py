@@ -206,7 +206,7 @@ def _counts(values: Mapping[str, Any]) -> MessageCounts:
         if (count := _count(entry)) is not None
     }
     named = {file_key(_scalar(name)) for name in values["relative_file_paths"]}
-    # Those that are written before the recording begins have nothing but zeros.
+    # Metadata that are written before the recording begins have nothing but zeros.
     return MessageCounts(
         total=_count(values) or 0,
         topics=topics if topics.total() else {},

@@ -244,7 +244,7 @@ class RosbagRecording:
             # Few files overlap, and only those are read for it.
             if before.file.end_ns - after.file.start_ns > LEAST_BACK_NS:
                 found.append((self._back_between_ns(before.file, after.file), after.path))
-        # Those that go back by years are left out, which is said.
+        # Stamps that go back by years are left out, with a notice.
         worth = [back for back in found if LEAST_BACK_NS < back[0] <= 2 * YEAR_NS]
         for back_ns, path in sorted(worth, key=itemgetter(0))[-1:]:
             yield (

@@ -93,11 +93,11 @@ class RemotePath:
         return self.with_name(Path(self.name).with_suffix(suffix).name)
 
     def is_absolute(self) -> bool:
-        """It means the same wherever it is read."""
+        """Always: a URL means the same wherever it is read."""
         return True
 
     def is_symlink(self) -> bool:
-        """There are no links."""
+        """Never: there are no links."""
         return False
 
     def exists(self) -> bool:

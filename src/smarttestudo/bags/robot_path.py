@@ -92,7 +92,7 @@ class PathReader(Protocol):
 
     @property
     def path(self) -> Sequence[PathPoint]:
-        """Where it was so far, at most five times a second."""
+        """The places where the robot was so far, at most five a second."""
 
     @property
     def source(self) -> str:

@@ -199,9 +199,9 @@ class ReceivedMessage:
     """A whole message at the operator's end.
 
     ``offered_ns`` is the robot's clock when its loop relayed the message, ``age_ns`` how long ago that was
-    when it arrived, as far as the clocks of both ends can be compared. One that ``begins_anew`` does not
-    follow directly on the one before, so what was reckoned of it is void. One that ``is_predicted`` was made
-    at this end. ``boot`` tells the runs of the robot's end apart.
+    when it arrived, as far as the clocks of both ends can be compared. A message that ``begins_anew`` does
+    not follow directly on the one before, so what was reckoned of it is void. A message that ``is_predicted``
+    was made at this end. ``boot`` tells the runs of the robot's end apart.
     """
 
     robot: str
@@ -287,7 +287,7 @@ class Sink(Protocol):
         """A robot has this stream no more: what it latched is not given to anybody."""
 
     def close(self) -> None:
-        """Nothing more comes."""
+        """End: nothing more comes."""
 
 
 MAX_AGE_NS = NS_PER_S // 2

@@ -63,7 +63,7 @@ class Rate:
 
     @staticmethod
     def off() -> Rate:
-        """Nothing passes, whatever the floor."""
+        """The rate at which nothing passes, whatever the floor."""
         return Rate(0.0, yields_to_floor=False)
 
     def at_least(self, floor_hz: float) -> Rate:

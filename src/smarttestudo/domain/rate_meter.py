@@ -155,7 +155,7 @@ class RateWindow:
         self.span_ns = self.intervals = 0
 
     def begun_anew(self) -> RateWindow:
-        """Another window of the same flow, which its next message begins."""
+        """A window of the same flow that begins with its next message."""
         return RateWindow(_messages=self._messages)
 
     def measure(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:

@@ -119,7 +119,7 @@ class Document:
 
     @property
     def places(self) -> LineIndex:
-        """Its lines and columns as offsets."""
+        """The lines and columns of the text as offsets."""
         return self.words.places
 
     def entry_at(self, offset: int) -> Entry | None:

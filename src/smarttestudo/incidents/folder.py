@@ -207,7 +207,8 @@ class CompletedIncident:
 def complete_incidents(folder: Path) -> Iterator[CompletedIncident]:
     """Complete the incidents in ``folder`` that are not whole; what is missing is in their records.
 
-    One of which not even the record was written is removed, unless there is something else in its folder.
+    A folder of which not even the record was written is removed, unless there is something else in its
+    folder.
     """
     for path in sorted(folder.glob(f".*{PARTIAL_SUFFIX}")):
         name = path.name[1 : -len(PARTIAL_SUFFIX)]

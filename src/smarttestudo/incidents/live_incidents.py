@@ -257,7 +257,7 @@ class LiveIncidents(Part):
 def delete_for_room(robot: Robot, settings: Settings, newest: str | None = None) -> None:
     """Delete old incidents where all would take more disk than they may; ``robot`` logs what was deleted.
 
-    The one called ``newest`` was just recorded, and stays.
+    The incident called ``newest`` was just recorded, and stays.
     """
     folder, max_gb = settings[INCIDENTS], settings[INCIDENTS_MAX]
     if folder is None or max_gb is None or not folder.is_dir():

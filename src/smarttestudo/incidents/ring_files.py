@@ -114,7 +114,7 @@ class _RingFile:
         return self._ends[-1] if self._ends else 0
 
     def write(self, message: SourceMessage, until_ns: int) -> None:
-        """Append a message. One that fails leaves nothing that counts."""
+        """Append a message; where that fails, nothing counts of it."""
         rest, place = memoryview(message.payload), self.size_bytes
         while rest:
             written = os.pwrite(self._file.fileno(), rest, place)

@@ -250,7 +250,7 @@ _FileKey = tuple[int, int]
 class RemovedIncident:
     """An incident that was deleted to make room, and whether somebody had read it.
 
-    One with a ``problem`` could not be, and stays.
+    An incident with a ``problem`` could not be deleted, and stays.
     """
 
     name: str
@@ -269,10 +269,10 @@ class _Folder:
 def make_room(folder: Path, max_bytes: int, newest: str | None = None) -> Iterator[RemovedIncident]:
     """Delete incidents until all of ``folder`` takes at most ``max_bytes`` on disk, or one is left.
 
-    Those that were read go first, then the others, the one first that was written first: names have the clock
-    of the robot, which may have been set back. The one called ``newest``, or else the one written last,
-    stays. What several share counts once, and is freed with the last of them. What is not an incident, not
-    whole, or renamed counts and stays, and so does an incident with something else in its folder. Each is
+    Incidents that were read go first, then the others, the one first that was written first: names have the
+    clock of the robot, which may have been set back. The incident called ``newest``, or else what was written
+    last, stays. What several share counts once, and is freed with the last of them. What is not an incident,
+    not whole, or renamed counts and stays, and so does an incident with something else in its folder. Each is
     told when it is gone, or stays though it is its turn. Raises ``OutputFileError`` where one cannot be
     deleted.
     """

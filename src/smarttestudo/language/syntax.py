@@ -269,10 +269,10 @@ Action = SetFrequency | KeepWithin | RecordIncident
 class Block:
     """``[Disabled] [Rule "name" [Priority n]] If … Then … [Else …] [EndIf]``.
 
-    One that ``is_disabled`` is kept and shown, its names are checked, and nothing else comes of it. ``name``
-    is ``None`` where none is written; ``label`` is what people call the block: its name, else its nearest own
-    comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or ``If``;
-    ``if_trivia`` that of an ``If`` below a ``Rule``.
+    A block that ``is_disabled`` is kept and shown, its names are checked, and nothing else comes of it.
+    ``name`` is ``None`` where none is written; ``label`` is what people call the block: its name, else its
+    nearest own comment, else ``block at line N``. ``trivia`` is that of its first line, be it ``Rule`` or
+    ``If``; ``if_trivia`` that of an ``If`` below a ``Rule``.
     """
 
     name: str | None

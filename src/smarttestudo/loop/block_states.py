@@ -67,7 +67,7 @@ class BlockStates:
         return TimeStatus(line=time.line, column=time.column, state=state, held_s=held_s)
 
     def _check(self, check: WrittenCheck) -> CheckStatus:
-        """For a check on which no condition depends, nothing else sees its value cross the border."""
+        """The state of a check, of its value: on some checks no condition depends."""
         value, state = self._values[check.signal], Truth.UNKNOWN
         if check.latch is not None:
             state = self._latched[check.latch]

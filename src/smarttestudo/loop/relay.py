@@ -208,7 +208,7 @@ class Relay:
             self.pacer.drop_followers()
 
     def follow(self, leader: Relay | None, now_ns: int) -> None:
-        """Be paced with ``leader``, or alone if ``None``; a change of that starts the pacing again."""
+        """Pace this topic with ``leader``, or alone if ``None``; another leader starts the pacing again."""
         if self._kind() is StreamKind.CODED_VIDEO:
             leader = None
         changed, self.leader = leader is not self.leader, leader
@@ -224,7 +224,7 @@ class Relay:
             self.set_rate(self._rate_hz, now_ns)
 
     def change_profile(self, profile: TopicProfile, now_ns: int) -> Sequence[Relayed]:
-        """Another profile says when the source is stale; what was held may pass then."""
+        """Take another profile, which says when the source is stale; held messages may pass then."""
         self._stale_after_ns = _stale_after_ns(profile)
         if isinstance(self.pacer, Follower):
             return ()

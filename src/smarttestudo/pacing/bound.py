@@ -84,7 +84,7 @@ class BoundStream(VolatileStream):
         return self.ceiling.due_ns if self.overdue else max(super().release_ns, self.ceiling.due_ns)
 
     def change_pace(self, pace: Pace, now_ns: int) -> None:
-        """Another ceiling; what is held stays held, also while Off."""
+        """Take another ceiling; held messages stay held, also while Off."""
         self.ceiling.change_pace(pace, now_ns, self._ceiling_slack_ns)
 
     def change_heartbeat(self, pace: Pace, now_ns: int) -> None:

@@ -114,7 +114,7 @@ class CdrWalk:
 
 
 def byte_order(payload: Payload) -> str | None:
-    """As ``struct`` writes it; ``None`` where this is no plain CDR."""
+    """The byte order as ``struct`` writes it; ``None`` where this is no plain CDR."""
     encapsulation = bytes(payload[:2])
     if encapsulation == _LITTLE_ENDIAN:
         return "<"

@@ -72,7 +72,7 @@ MAX_REMEMBERED = 256
 class Follower(Pacer):
     """The pacer of a topic that passes exactly the header stamps its leader passed.
 
-    Its messages may come before or after the leader's. One that comes before the leader's decision is
+    Messages may arrive before or after the leader's. A message before the leader's decision is
     pending; what the decisions let go is given out by ``wake``, to be called after each call on the
     leader. At most ``MAX_PENDING`` messages are pending (the oldest that the leader does not hold makes room)
     and ``MAX_REMEMBERED`` decisions remembered. While the leader is Full, everything passes. Of its own

@@ -55,7 +55,7 @@ class SourceGaps:
 
     @property
     def gaps(self) -> Sequence[GapNumbers]:
-        """All buckets, of which each has the place that its number modulo all of them says."""
+        """The buckets, each at its number modulo their count."""
         return [bucket.numbers() for bucket in self._buckets]
 
     def record(self, now_ns: int) -> None:
@@ -142,7 +142,7 @@ class BurstGaps(SourceGaps):
         """The mean gap as it was at the last long one: amid a burst, that of all is too short."""
 
     def skip(self, messages: int) -> None:
-        """So many messages came that nobody looked at, before the next one that is recorded."""
+        """Count messages that nobody looked at, before the next message that is recorded."""
         self._skipped += messages
 
     def record(self, now_ns: int) -> None:

@@ -85,7 +85,7 @@ class Stream(ABC):
         self.held_ns = now_ns
 
     def end_groups(self) -> None:  # noqa: B027 - only some streams mind
-        """Some messages do not come to this stream from now on."""
+        """End the groups of messages that do not come to this stream from now on."""
 
     def is_idle(self, now_ns: int) -> bool:
         """Whether a fresh stream would do as well: nothing held, nothing ahead."""
@@ -151,7 +151,7 @@ class PublisherStream(VolatileStream):
         return BurstGaps()
 
     def skip(self, messages: int) -> None:
-        """So many messages came that nobody looked at, before the next one."""
+        """Count messages that nobody looked at, before the next message."""
         self.source.skip(messages)
         self._has_skipped = True
 
@@ -369,7 +369,7 @@ class GroupStream(VolatileStream):
         super().change_pace(pace, now_ns)
 
     def end_groups(self) -> None:
-        """Some frames do not come to this stream from now on."""
+        """Break the group: some of its frames do not come to this stream from now on."""
         self.group.is_broken = True
 
     def restart(self, now_ns: int) -> None:

@@ -84,7 +84,7 @@ class Streams(ABC, Generic[AnyStream]):
         self._arm(now_ns)
 
     def end_groups(self) -> None:
-        """Some messages do not come from now on."""
+        """End the groups of messages that do not come from now on."""
         for stream in self._streams.values():
             stream.end_groups()
 
@@ -94,7 +94,7 @@ class Streams(ABC, Generic[AnyStream]):
             stream.finished = True
 
     def held(self) -> list[Sample]:
-        """All that did not pass but still may, each once."""
+        """The samples that did not pass but still may, each once."""
         return list(
             dict.fromkeys(stream.held for stream in self._streams.values() if stream.held is not None)
         )
@@ -142,9 +142,9 @@ class NamedStreams(Streams[AnyStream]):
     """One stream for each name, such as a child frame; a message passes whole if any stream in it is due.
 
     It counts for all its streams, yet none is ever due later than one period after it, so that one that
-    passed along with others does not starve once they are gone. The final message is that of each stream;
-    one that is final for several passes once. No message passes behind a newer one of a name in it: what is
-    held for other names goes first. Messages that name none are those of their publisher. One that deletes
+    passed along with others does not starve once they are gone. The final message is that of each stream; one
+    that is final for several passes once. No message passes behind a newer one of a name in it: what is held
+    for other names goes first. Messages that name none are those of their publisher. A message that deletes
     markers passes in any case.
     """
 

@@ -105,7 +105,7 @@ class TopicPacer(Pacer):
         return any(stream.source.comes_in_bursts for stream in self._plain_streams)
 
     def skipped(self, messages: int) -> None:
-        """So many messages were skipped before the next one."""
+        """Count messages that were skipped before the next message."""
         for stream in self._plain_streams:
             stream.skip(messages)
 
@@ -197,7 +197,7 @@ class TopicPacer(Pacer):
         return self._begin_anew(now_ns) if self._when_slow is WhenSlow.REPEAT else ()
 
     def end_groups(self) -> None:
-        """Some messages of the source are not heard from now on: the groups that they are in end."""
+        """End the groups of messages of the source that are not received from now on."""
         self._streams.end_groups()
 
     def forget(self) -> None:

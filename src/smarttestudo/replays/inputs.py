@@ -44,7 +44,7 @@ class InputsOutcome:
     notices: tuple[str, ...]
 
     def rows(self) -> Iterator[dict[str, object]]:
-        """None: inputs are not relayed."""
+        """No rows: inputs are not relayed."""
         return iter(())
 
 

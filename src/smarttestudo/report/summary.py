@@ -63,7 +63,7 @@ class PositionError:
 
 
 def position_error(loss: LossReport) -> PositionError | None:
-    """That of the first topic with positions; ``None`` if there is none."""
+    """The error of the first topic with positions; ``None`` if there is none."""
     for shared in loss.topics:
         received_m = loss.position_rmse_m(shared.topic)
         if received_m is not None:

@@ -117,7 +117,7 @@ class Table(Generic[_Row]):
 
     @property
     def heading(self) -> tuple[str, ...]:
-        """All lines of the title; none where it is empty."""
+        """The lines of the title; none where it is empty."""
         return (self.title, *self.subtitles) if self.title else ()
 
     def values(self) -> list[tuple[Value, ...]]:

@@ -84,7 +84,7 @@ class Body(Protocol):
 
     @property
     def pose(self) -> Pose:
-        """Where it truly is on the floor."""
+        """The true pose on the floor."""
 
     def command(self, velocity: BodyVelocity) -> None:
         """Make for ``velocity`` from now on."""

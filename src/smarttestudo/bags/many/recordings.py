@@ -49,7 +49,7 @@ def find_recordings(
 
     A folder that is no recording itself stands for all in it, at any depth. A pattern has ``*``, ``?``,
     ``[…]``, and ``**`` for any depth. What leads to no recording is named as if it was one, so that opening
-    it says why. A server has ``timeout_s`` for an answer. ``noticed`` is told what is left out.
+    it says why. A server has ``timeout_s`` for an answer. ``noticed`` gets what is left out.
     """
     walk = _Walk()
     top = remote_path(text, timeout_s) if is_url(text) else Path(text)
@@ -118,7 +118,7 @@ def pair_recordings(
 ) -> tuple[RecordingPair | RecordingError, ...]:
     """Pair each recording that ``a`` names with the one of ``b`` that has its name in the folder or pattern.
 
-    One without a partner is an error in its place. ``noticed`` is told what is left out.
+    A recording without a partner is an error in its place. ``noticed`` gets what is left out.
     """
     first, second = (find_recordings(text, timeout_s=timeout_s, noticed=noticed) for text in (a, b))
     if len(first) == len(second) == 1:

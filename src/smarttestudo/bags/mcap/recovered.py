@@ -55,7 +55,7 @@ def in_time_order(
     """Messages that ``read`` gives at each place, by stamp.
 
     Places come by the stamp of their first message, which each begins with; messages of one stamp come as
-    they are read. Those of one place are in memory at once, and ``held_bytes`` of what overlaps.
+    they are read. The records of one place are in memory at once, and ``held_bytes`` of what overlaps.
     """
     with _Pending(held_bytes) as pending:
         for place, next_ns in _with_next(places):
@@ -210,7 +210,7 @@ class RecoveredMcapFile:
         return self._counts
 
     def back_ns(self) -> int:
-        """Nothing: what the order of a damaged file was is not known."""
+        """``None``: what the order of a damaged file was is not known."""
         return 0
 
     def messages(self, channels: ChannelsByNumber) -> Iterator[RecordedMessage]:

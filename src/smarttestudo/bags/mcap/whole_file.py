@@ -291,7 +291,7 @@ def _messages_of(
 ) -> list[FoundMessage]:
     """The messages among the records of a chunk, of which the first begins at byte ``at``.
 
-    Those of ``channels`` have their payloads, or the first ``head_bytes`` of them.
+    Messages of ``channels`` have their payloads, or the first ``head_bytes`` of them.
     """
     found: list[FoundMessage] = []
     end = len(records)

@@ -241,7 +241,7 @@ def _definitions(database: apsw.Connection, reader: ChannelReader) -> dict[tuple
         for _, columns in rows_of(database, "message_definitions", _DEFINITION_COLUMNS):
             name, stored = columns["topic_type"], columns["encoded_message_definition"]
             if "/srv/" in name and not name.endswith("_Event"):
-                # That of a service stands under its name; what is recorded are its events.
+                # The topic of a service stands under its name; what is recorded are its events.
                 name = f"{name}_Event"
             definition = reader.definition(
                 name, columns["encoding"], stored.encode("utf-8", "surrogateescape")

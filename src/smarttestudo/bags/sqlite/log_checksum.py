@@ -27,7 +27,7 @@ class LogChecksum:
         self._sums = (0, 0)
 
     def add(self, data: bytes) -> tuple[int, int]:
-        """Both sums once ``data`` is added: a multiple of 8 bytes, at most a frame of the largest page."""
+        """The two sums once ``data`` is added: a multiple of 8 bytes, at most a frame of the largest page."""
         words = np.frombuffer(data, self._words).astype(np.uint32)
         fibonacci, count = self._fibonacci, len(words)
         weights = fibonacci[count::-1]

@@ -271,7 +271,7 @@ class RecoveredSqliteFile:
         return self._counts
 
     def back_ns(self) -> int:
-        """Nothing: what the order of a damaged file was is not known."""
+        """``None``: what the order of a damaged file was is not known."""
         return 0
 
     @property

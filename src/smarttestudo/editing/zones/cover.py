@@ -46,7 +46,7 @@ class CoverRectangle:
 
     @property
     def area_cm2(self) -> int:
-        """Its area."""
+        """The area in cm²."""
         return (self.max_x_cm - self.min_x_cm) * (self.max_y_cm - self.min_y_cm)
 
 

@@ -86,7 +86,7 @@ class Leaf(Node):
         return self.region.cuts
 
     def truth_at(self, value: float | None) -> int:
-        """Its truth for a value, or for an unknown one."""
+        """The truth for a value, ``None`` for an unknown value."""
         if value is None:
             return UNKNOWN
         return TRUE if self.region.contains(value) else FALSE
@@ -113,7 +113,7 @@ class Latch(Node):
         return (*self._signal.on.cuts, *self._signal.off.cuts)
 
     def truth_at(self, value: float | None) -> int:
-        """Its truth for the next value, or for an unknown one; what was seen stays in its memory."""
+        """The truth for the next value, ``None`` for an unknown value; the memory keeps what was seen."""
         if value is None:
             return UNKNOWN
         if self._signal.on.contains(value):
@@ -147,7 +147,7 @@ class TimeWindow(Node):
         source.windows.append(self)
 
     def update(self, now_ns: int) -> int:
-        """Take the literal's truth from ``now_ns`` on; its own truth then."""
+        """Take the literal's truth from ``now_ns`` on; return the truth of the window then."""
         truth = self.source.truth
         if truth != self._seen:
             if self._seen == FALSE:

@@ -59,7 +59,7 @@ def _degrees(sine: float, cosine: float) -> float:
 
 
 def _numbers(q: QuaternionMessage) -> tuple[float, float, float, float]:
-    """All NaN where they are no quaternion: zero, or beyond what can be squared."""
+    """The four numbers, all NaN for a quaternion of zeros or of numbers too large to be squared."""
     x, y, z, w = number(q.x), number(q.y), number(q.z), number(q.w)
     is_one = 0 < w * w + x * x + y * y + z * z < math.inf
     return (x, y, z, w) if is_one else (math.nan,) * 4

@@ -74,7 +74,7 @@ class _Families(Collector):
             yield _family(metric)
 
     def describe(self) -> list[MetricFamily]:
-        """Nothing is asked for before a request comes."""
+        """No metrics: none are collected before a request comes."""
         return []
 
 

@@ -174,7 +174,7 @@ class BackgroundRequests(Generic[_Request]):
         return Grant(number, request, size_bytes, len(client.waiting))
 
     def sent(self, client: int, size_bytes: int, now_ns: int) -> None:
-        """So many bytes went to a client."""
+        """Count bytes that went to a client."""
         known = self._clients[client]
         known.sent_bytes += size_bytes
         known.flights.append((known.sent_bytes, now_ns))
@@ -212,7 +212,7 @@ class BackgroundRequests(Generic[_Request]):
         return min(self._busy_ns, self._sent_ns + _LONGEST_PAUSE_NS)
 
     def fill(self, size_bytes: int, now_ns: int, live: Window) -> None:
-        """So many bytes, of live topics or of an answer, went out beside live topics."""
+        """Count bytes of live topics or of an answer that went out beside live topics."""
         share = self._probe_gain if now_ns < self._probe_until_ns else _USED
         takes_ns = int(size_bytes * NS_PER_S / (live.capacity_bytes_per_s * share))
         self._busy_ns = max(self._busy_ns, now_ns) + takes_ns
@@ -240,7 +240,7 @@ class BackgroundRequests(Generic[_Request]):
         return _FIRST_PROBE if self._failed_probes <= _EARLY_PROBES else _PROBE
 
     def _begin_probe(self, live: Window, now_ns: int) -> None:
-        """It counts as one that found nothing until it has."""
+        """Begin a probe, which counts as one without result until it has one."""
         self._probe_until_ns = now_ns + _PROBE_NS
         self._sample = None
         self._failed_probes += 1

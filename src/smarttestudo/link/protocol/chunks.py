@@ -112,7 +112,7 @@ class _Partial:
 class Reassembler:
     """Puts the messages of one session together; each stream has at most one unfinished message.
 
-    Chunks of a stream come in order. One that does not continue its message costs that message, and is
+    Chunks of a stream come in order. A chunk that does not continue its message costs that message, and is
     counted in ``broken``.
     """
 

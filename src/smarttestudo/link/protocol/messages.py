@@ -154,7 +154,7 @@ def _require(condition: object, what: str) -> None:
 
 
 def _require_topics(names: Iterable[str]) -> None:
-    # One that ROS 2 takes no more is said where it would be published.
+    # A name that ROS 2 does not take is reported where it would be published.
     _require(all(len(name) <= _MAX_NAME and has_topic_form(name) for name in names), "no name of a topic")
 
 

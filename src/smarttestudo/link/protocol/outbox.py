@@ -182,7 +182,7 @@ class Outbox:
         total_bytes = received.received_bytes
         while self._under_way and self._under_way[0][0] <= total_bytes:
             end_bytes, message = self._under_way.popleft()
-            # One that is kept is lost only as the session ends.
+            # A message that is kept is lost only as the session ends.
             if message.is_kept or received.has(end_bytes):
                 message.origin = None
             else:
@@ -210,7 +210,7 @@ class Outbox:
             self._settle_first(arrived.get(self._ended[0].number))
 
     def settle_all(self) -> None:
-        """Nobody will say what arrived of ended sessions."""
+        """Count all of ended sessions as lost: no report of them will come."""
         while self._ended:
             self._settle_first(None)
 
@@ -389,7 +389,7 @@ class Outbox:
         group.is_broken |= not stream.slots and not stream.needs.is_full
 
     def _give_up(self, *messages: OutgoingMessage) -> None:
-        """These are not sent, or not known to arrive."""
+        """Count messages that are not sent, or not known to arrive, as given up."""
         for message in messages:
             if message.origin is None or not self._had_session:
                 continue

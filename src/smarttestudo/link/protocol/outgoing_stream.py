@@ -36,9 +36,9 @@ def plain(_stream: int, payload: bytes) -> Encoded:
 class OutgoingMessage:
     """A message that waits or is being sent; ``encoded`` is what travels, from the first chunk on.
 
-    One that ``is_kept`` is sent again until it arrives. One that has an ``origin`` goes to who keeps what is
-    missed. ``unsettled`` counts the sessions that ended before it was known whether it arrived in them. One
-    that ``begins_group`` of coded video can be decoded without those before it.
+    A message that ``is_kept`` is sent again until it arrives. A message with an ``origin`` goes to who keeps
+    what is missed. ``unsettled`` counts the sessions that ended before it was known whether it arrived in
+    them. One that ``begins_group`` of coded video can be decoded without those before it.
     """
 
     stream: int

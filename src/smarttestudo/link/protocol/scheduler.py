@@ -134,7 +134,7 @@ class Scheduler(Generic[_Request]):
 
     @property
     def stalled_after_ns(self) -> int:
-        """For how long bytes may be under way on a link without an outage."""
+        """The longest time that bytes are under way on a link without an outage, in ns."""
         trip_ns = self.window.round_trip_ns
         return FIRST_STALLED_AFTER_NS if trip_ns is None else STALLED_AFTER_NS + 4 * trip_ns
 

@@ -47,7 +47,7 @@ class _Receiver:
 class Receivers:
     """The operator's ends that reported within ``lost_after_ns``.
 
-    One that never said what it predicts predicts nothing.
+    A receiver that never reported what it predicts predicts nothing.
     """
 
     def __init__(self, lost_after_ns: int) -> None:
@@ -190,7 +190,7 @@ class LinkSender(Generic[_Request]):
     ) -> None:
         """Have a message sent; it replaces one of its ``lane`` that has not begun.
 
-        One that has an ``origin`` is kept where an operator's end misses it.
+        A message that has an ``origin`` is kept where an operator's end misses it.
         """
         if not self.is_connected(now_ns):
             self._outbox.cut()
@@ -292,7 +292,7 @@ class LinkSender(Generic[_Request]):
     def _note_absence(self, receiver: int, now_ns: int) -> None:
         """Count an outage where one receiver was there, then for a while none, and then another."""
         absent_ns, self._reported_ns = now_ns - self._reported_ns, now_ns
-        # One that is back itself knows what had arrived, and is counted with that.
+        # A receiver that is back itself knows what had arrived, and is counted with that.
         if self._served_receiver not in {None, receiver}:
             self._outages += absent_ns > self.scheduler.stalled_after_ns
 

@@ -263,7 +263,7 @@ class Window:
 
     @property
     def _ahead_s(self) -> float:
-        """For how long the link is filled ahead."""
+        """The time by which the link is filled ahead, in s."""
         trip_ns = _FIRST_TRIP_NS if self._trip.least_ns is None else self._trip.least_ns
         if self._trip.is_draining:
             return trip_ns / NS_PER_S / 2
@@ -294,11 +294,11 @@ class Window:
         return max(_LEAST_CHUNK_BYTES, min(most_bytes, of_link_bytes, room_bytes))
 
     def limited(self) -> None:
-        """There is more to send than there is room for."""
+        """Note that there is more to send than room."""
         self._rate.was_full = True
 
     def idle(self) -> None:
-        """Nothing waits to be sent: what is delivered meanwhile says little about the link."""
+        """Note that nothing waits to be sent: what is delivered meanwhile says little about the link."""
         self._rate.was_idle = True
 
     def sent(self, size_bytes: int, now_ns: int) -> None:

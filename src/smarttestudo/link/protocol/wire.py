@@ -56,7 +56,7 @@ class Kind(IntEnum):
 
     @property
     def words(self) -> str:
-        """Its name in a sentence."""
+        """The name in a sentence."""
         return self.name.lower().replace("_", " ")
 
 

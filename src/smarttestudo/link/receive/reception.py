@@ -37,7 +37,7 @@ class CountedStream(NamedTuple):
         return self.key.boot != before.key.boot and _kind(self.info) != _kind(before.info)
 
     def said_by(self, robot: str, *, has_it: bool = True) -> StreamSaid:
-        """That ``robot`` has it, or has it no more."""
+        """The sentence that ``robot`` has it, or has it no more."""
         boot, number = self.key
         return StreamSaid(robot=robot, boot=boot, number=number, info=self.info if has_it else None)
 

@@ -40,7 +40,7 @@ class StatusSink:
         self._statuses: dict[str, RuntimeStatus] = {}
 
     def open(self, robot: str, stream: StreamInfo) -> None:
-        """Any stream may come."""
+        """Nothing to do: any stream is counted."""
 
     def write(self, message: ReceivedMessage) -> None:
         if message.stream.topic == self._topic:
@@ -53,7 +53,7 @@ class StatusSink:
             self._statuses.pop(robot, None)
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Nothing to do."""
 
     def statuses(self) -> Mapping[str, RuntimeStatus]:
         newest, self._newest = self._newest, {}

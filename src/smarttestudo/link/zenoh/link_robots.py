@@ -126,7 +126,7 @@ class LinkRobots:
         answers: list[Mapping[str, str]] = []
 
         def collect(answer: Mapping[str, str] | TestudoError) -> None:
-            # One that does not answer has none to suggest.
+            # A robot that does not answer has none to suggest.
             answers.append({} if isinstance(answer, TestudoError) else answer)
             if len(answers) == len(asked):
                 got({topic: type_name for one in answers for topic, type_name in one.items()})

@@ -65,12 +65,12 @@ class Locator:
 
     @property
     def host(self) -> str:
-        """Its host, or the whole address where it has none."""
+        """The host, or the whole address where it has none."""
         return self.address.rpartition(":")[0].strip("[]") or self.address
 
     @property
     def port(self) -> str:
-        """Its port; empty where it has none."""
+        """The port; empty where there is none."""
         return self.address.rpartition(":")[2] if ":" in self.address else ""
 
     @property

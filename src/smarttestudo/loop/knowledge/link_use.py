@@ -210,7 +210,7 @@ class LinkUse:
         return begins
 
     def set_streams(self, topic: str, streams: float) -> None:
-        """So many messages of a topic pass at 1 Hz, as they name so many streams."""
+        """Count ``streams`` messages of a topic for each Hz: its messages name so many streams."""
         if streams > 1:
             self._streams[topic] = streams
 
@@ -272,7 +272,7 @@ class LinkUse:
         }
 
     def _check_after_ns(self, now_ns: int) -> int:
-        """So soon that a topic has been measured and has its place a second after it began."""
+        """The time after which to plan again, so that a new topic has its place after a second."""
         just_began = any(self._sources[topic].began_after(now_ns - _SOON_NS) for topic in self._asking)
         return _SOON_NS if just_began else REPLAN_AFTER_NS
 

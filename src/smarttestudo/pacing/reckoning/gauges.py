@@ -241,13 +241,13 @@ class FieldGauge:
         return (MovingPart("", now_ns, None, values, has_stamp=False),)
 
     def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
-        """None is known."""
+        """``None``: no motion is known."""
 
     def after(self, state: object, _motion: None, _elapsed_s: float) -> object:
         return state
 
     def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
-        """None, as nothing moves."""
+        """``None``: nothing moves."""
         return None
 
 
@@ -324,13 +324,13 @@ class FixGauge:
         return (MovingPart("", stamp_ns or now_ns, None, place, stamp_ns is not None),)
 
     def motion(self, _before: MovingPart | None, _part: MovingPart) -> None:
-        """None is known."""
+        """``None``: no motion is known."""
 
     def after(self, state: Place, _motion: None, _elapsed_s: float) -> Place:
         return state
 
     def written(self, _payload: bytes, _parts: Reading, _within: Mapping[str, float]) -> bytes | None:
-        """None, as nothing moves."""
+        """``None``: nothing moves."""
         return None
 
 

@@ -162,7 +162,7 @@ def _conjugate(q: Rotation) -> Rotation:
 
 
 def _unit(q: Rotation) -> Rotation:
-    """Of length one; the zero quaternion, which an unset message holds, turns by nothing."""
+    """The quaternion of length one; a quaternion of zeros, as in an unset message, turns by nothing."""
     length = math.sqrt(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w)
     if length == 0:
         return Rotation(0.0, 0.0, 0.0, 1.0)

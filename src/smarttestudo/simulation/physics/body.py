@@ -83,7 +83,7 @@ class Machine(ABC):
 
     @abstractmethod
     def actuators(self) -> str:
-        """Its motors as MJCF."""
+        """The motors as MJCF."""
 
     @abstractmethod
     def command(self, velocity: BodyVelocity) -> None:

@@ -192,7 +192,7 @@ class Engine:
         return np.where((distances < 0) | (distances > range_m), np.inf, distances)
 
     def open_camera(self, width: int, height: int) -> None:
-        """Be able to draw pictures of that size. Raises ``PhysicsError`` where nothing can draw here."""
+        """Open a camera for pictures of that size. Raises ``PhysicsError`` where nothing can draw here."""
         renderer = getattr(self._mujoco, "Renderer", None)
         if renderer is None or not hasattr(self._mujoco, "GLContext"):
             raise PhysicsError("neither EGL nor OSMesa is in use", remedy=_DRAWING_REMEDY)
