@@ -201,7 +201,8 @@ class ComparedTotals:
 class BagComparison:
     """The recordings ``a`` and ``b`` with their topics paired.
 
-    Where ``b`` is of the time of ``a``, its bandwidths count over that: where it has nothing, nothing came.
+    Where ``b`` is of the time of ``a``, its bandwidths count over that: where it has nothing, nothing
+    arrived.
     """
 
     a: Annotated[BagSummary, JsonEntry(is_absent=True)]

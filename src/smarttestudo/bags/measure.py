@@ -69,7 +69,7 @@ class TopicCounter:
 
 
 class RunCounter(TopicCounter):
-    """Also how often which interval came."""
+    """Also how often which interval arrived."""
 
     __slots__ = ("histogram",)
 

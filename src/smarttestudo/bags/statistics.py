@@ -150,7 +150,7 @@ class RecordingSpan:
         return (self.end_ns - self.start_ns) / NS_PER_S
 
     def shares_time(self, other: RecordingSpan) -> bool:
-        """Whether both lasted at one time; nothing came at any time, also at that of the other."""
+        """Whether both lasted at one time; nothing arrived at any time, also at that of the other."""
         if self.is_empty or other.is_empty:
             return True
         return self.start_ns <= other.end_ns and other.start_ns <= self.end_ns
@@ -242,8 +242,8 @@ _LATENCIES_NS = range(-NS_PER_S // 10, LONGEST_LATENCY_S * NS_PER_S + 1)
 class LatencyAccumulator:
     """Takes a topic's latencies one by one; memory grows by 8 bytes for each.
 
-    ``unset`` counts messages without a stamp, or with one of 0, ``early`` those that came before their
-    stamp, ``late`` those that came more than a minute after. None of these has a latency.
+    ``unset`` counts messages without a stamp, or with one of 0, ``early`` those that arrived before their
+    stamp, ``late`` those that arrived more than a minute after. None of these has a latency.
     """
 
     __slots__ = ("_latencies_ns", "early", "late", "unset")

@@ -20,7 +20,7 @@ _FEW = 10
 LEAST_STRAY_NS = _BY_FAR * _DAY_NS
 """A recording that lasts no longer has no stray stamps."""
 LEAST_BACK_NS = NS_PER_S
-"""A recorder that has several threads writes messages in another order than they came, by less than that."""
+"""Within that time, a recorder of several threads writes messages in another order than that of arrival."""
 _MOST_TOPICS = 8
 
 _T = TypeVar("_T")

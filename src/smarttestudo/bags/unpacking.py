@@ -35,7 +35,7 @@ class Decompressor(Protocol):
 
     @property
     def unused_data(self) -> bytes | None:
-        """The bytes that came behind it."""
+        """The bytes that arrived behind it."""
 
     def decompress(self, data: Buffer, /) -> bytes:
         """Content that more bytes of the frame unpack to."""

@@ -62,9 +62,9 @@ class PlannedRate:
 class Decision:
     """One change of a plan: another rate, other bounds, another deciding block, or one no more in doubt.
 
-    ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal
-    name; unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``:
-    other rules came that do not relay the topic; its planned rate is 0 then. ``from_within`` are the bounds
+    ``t_s`` counts from the loop's start. ``values`` holds what the deciding condition read, by signal name;
+    unknown values are ``None``. ``from_rate`` is ``None`` on the first decision of a topic. ``is_end``: other
+    rules arrived that do not relay the topic; its planned rate is 0 then. ``from_within`` are the bounds
     before.
     """
 

@@ -79,7 +79,7 @@ class RosError(TestudoError):
 
 
 class LinkError(TestudoError):
-    """The link to an operator or a robot cannot be opened, or what came over it is not understood."""
+    """The link to an operator or a robot cannot be opened, or what arrived over it is not understood."""
 
 
 class PortError(TestudoError):

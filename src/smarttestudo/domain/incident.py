@@ -58,7 +58,7 @@ class MissingReason(Enum):
     """The middleware lost them: machine or network were too slow, or their sender lacked shared memory."""
 
     DISK = "disk"
-    """They came faster than the disk could take them, or while it was full."""
+    """They arrived faster than the disk could take them, or while it was full."""
 
     KILLED = "killed"
     """The run was killed; what there is was completed by the next one."""
@@ -171,8 +171,8 @@ class IncidentState:
     ``held_bytes`` of at most ``memory_bytes`` are kept of ``topics`` topics for what may happen, and
     ``ring_bytes`` of at most ``ring_max_bytes`` on disk, which is ``None`` if memory is all there is.
     Incidents are ``open`` now, were ``recorded`` whole, or ``failed`` since the start; ``problem`` says why
-    the last one could not be written, until the next one can. Of their messages, ``dropped`` came faster than
-    the disk took them, and so many are ``missing`` in those that ended, whatever the reason. At so many
+    the last one could not be written, until the next one can. Of their messages, ``dropped`` arrived faster
+    than the disk took them, and so many are ``missing`` in those that ended, whatever the reason. At so many
     ``further_moments`` a rule began to hold again and extended its incident.
     """
 

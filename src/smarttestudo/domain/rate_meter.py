@@ -87,7 +87,7 @@ def mean_hz(messages: int, span_ns: int) -> float | None:
 
 @dataclass(slots=True, eq=False)
 class Flow:
-    """Messages counted one by one; the last came at ``last_ns``, ``span_ns`` after the first.
+    """Messages counted one by one; the last arrived at ``last_ns``, ``span_ns`` after the first.
 
     Where the clock jumps back, time stands still.
     """
@@ -112,7 +112,7 @@ class Flow:
             self.span_ns = max(self.span_ns - ahead_ns, 0)
 
     def skip(self, messages: int, size_bytes: int) -> None:
-        """Count messages that came before the next one to be recorded and were not seen."""
+        """Count messages that arrived before the next one to be recorded and were not seen."""
         if self.messages:
             self.messages += messages
             self.size_bytes += size_bytes
@@ -159,7 +159,7 @@ class RateWindow:
         return RateWindow(_messages=self._messages)
 
     def measure(self, now_ns: int, messages: int, position_ns: int, size_bytes: int = 0) -> bool:
-        """Take the counts at ``now_ns``; whether messages came. On a clock that jumped back, begin anew."""
+        """Take the counts at ``now_ns``; whether they grew. Begin anew if the clock jumped back."""
         readings = self._readings
         if readings and now_ns < readings[-1].now_ns:
             self.restart()
@@ -183,7 +183,7 @@ class RateWindow:
         return mean_hz(self.intervals + 1, self.span_ns)
 
     def kb_per_s(self, now_ns: int) -> float:
-        """KB per second that came since the window began; 0 while it is empty."""
+        """KB per second that arrived since the window began; 0 while it is empty."""
         if not self._readings or now_ns <= self._readings[0].now_ns:
             return 0.0
         size_bytes = self._readings[-1].size_bytes - self._readings[0].size_bytes

@@ -77,8 +77,8 @@ class HeardStatus:
 class RemoteRobots(Protocol):
     """Robots by their ids (``RuntimeStatus.robot_id``), for one thread; callbacks run within ``wait``.
 
-    ``place`` is where they are listened for. ``unreadable`` counts what came there and was no status of this
-    version.
+    ``place`` is where they are listened for. ``unreadable`` counts what arrived there and was no status of
+    this version.
     """
 
     place: str

@@ -171,7 +171,7 @@ class RulesInForce:
 class TopicCounts:
     """Messages of one topic since the start.
 
-    ``received`` came, ``lost`` were sent and did not come, which is ``None`` while they are not numbered.
+    ``received`` arrived, ``lost`` were sent and did not come, which is ``None`` while they are not numbered.
     ``relayed`` went out, ``repeated`` of those for another time, ``dropped`` were held
     back by the pacer. ``discarded`` met no decision of the topic they are paced with, ``undecodable`` could
     not be read by a check.
@@ -214,7 +214,7 @@ class TopicCounts:
         Count,
         Metered("topic_dropped", "messages", "Messages held back so far; the last of them may still go out."),
     ]:
-        """Messages that came and were not relayed."""
+        """Messages that arrived and were not relayed."""
         return self.received - (self.relayed - self.repeated)
 
 
@@ -232,14 +232,14 @@ class TopicStatus:
 
     ``reason``, ``rule`` and ``line`` are those of its planned rate. Rates are (n − 1) / (last − first) over
     about ten seconds, those of the output since its target last changed, that of the source with what was
-    lost of it before it came here; ``loss`` is there while that is much. ``target_hz`` is infinite for Full
-    and 0 for Off, ``expected_hz`` the lesser of target and source, ``error_percent`` how far ``actual_hz``
-    lies above it, and not ``keeps_rate`` that it is off by more than pacing explains. ``stamped_hz`` is the
-    rate by the messages' own header stamps and ``delay_ms`` how old the last one was when it was relayed.
-    ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve, ``problem`` says why
-    the topic cannot be relayed. ``frames`` counts the streams that the messages name, such as child frames;
-    rates are means over them then. ``within`` are the bounds of the receiver's picture with their
-    ``bound_reasons``, as in the plan. A number that the messages do not determine is ``None``.
+    lost of it before it arrived here; ``loss`` is there while that is much. ``target_hz`` is infinite for
+    Full and 0 for Off, ``expected_hz`` the lesser of target and source, ``error_percent`` how far
+    ``actual_hz`` lies above it, and not ``keeps_rate`` that it is off by more than pacing explains.
+    ``stamped_hz`` is the rate by the messages' own header stamps and ``delay_ms`` how old the last one was
+    when it was relayed. ``incompatible`` are nodes that subscribe to the output with a QoS it cannot serve,
+    ``problem`` says why the topic cannot be relayed. ``frames`` counts the streams that the messages name,
+    such as child frames; rates are means over them then. ``within`` are the bounds of the receiver's picture
+    with their ``bound_reasons``, as in the plan. A number that the messages do not determine is ``None``.
     """
 
     output: str

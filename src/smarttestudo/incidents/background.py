@@ -42,7 +42,7 @@ class BackgroundSink:
         self._done_bytes = 0
         self._left_out: dict[Incident, LostMessages] = {}
         self.dropped = 0
-        """Messages that came faster than they were written, for an incident or for the ring on disk."""
+        """Messages that arrived faster than they were written, for an incident or for the ring on disk."""
 
     def begin(self, incident: Incident, past: Past) -> None:
         """Begin the incident on the thread."""

@@ -120,7 +120,7 @@ class IncidentFolders:
         self._open: dict[Incident, _OpenFolder] = {}
 
     def begin(self, incident: Incident, past: Past) -> None:
-        """Write what came already; latched messages as from the window's start."""
+        """Write what arrived already; latched messages as from the window's start."""
         stored = self._stored(past)
         was_latched = {one.number for one in chain.from_iterable(map(past.latched_of, past.given_up))}
         latched = sorted((*past.latched, *(one for one in stored if one.number in was_latched)), key=_NUMBER)
@@ -153,7 +153,7 @@ class IncidentFolders:
             self._lose(found, chain(past.latched, past.messages))
 
     def extend(self, incident: Incident, trigger: Trigger, to_ns: int, past: Past) -> None:
-        """Note a further moment, and write what came since the window was over."""
+        """Note a further moment, and write what arrived since the window was over."""
         found = self._open[incident]
         found.record = found.record.extended(trigger.stamp_ns, trigger.values, to_ns)
         found.is_noted = False

@@ -34,7 +34,7 @@ def holds_static_frames(topic: str) -> bool:
 
 @dataclass(slots=True, kw_only=True, eq=False)
 class _Sample:
-    """A message that came at ``at_ns`` and counts for ``keys`` publishers or frames.
+    """A message that arrived at ``at_ns`` and counts for ``keys`` publishers or frames.
 
     Where that is none, others took its place, the last of them at ``replaced_ns``.
     """
@@ -75,7 +75,7 @@ class LatchedSamples:
         return self._replaced_bytes
 
     def add(self, message: SourceMessage, publisher: Hashable, now_ns: int) -> None:
-        """Keep a message that came now, in the place of those before it."""
+        """Keep a message that arrived now, in the place of those before it."""
         keys: tuple[Hashable, ...] = (publisher,)
         if self._frames is not None:
             keys = self._frames.streams(message.payload) or keys
@@ -116,7 +116,7 @@ class LatchedSamples:
         return sample.replaced_ns, message
 
     def counting_at(self, from_ns: int) -> list[SourceMessage]:
-        """The messages that came before ``from_ns`` and counted until then, in their order."""
+        """The messages that arrived before ``from_ns`` and counted until then, in their order."""
         return sorted(
             sample.message
             for sample in self._all()
@@ -124,11 +124,11 @@ class LatchedSamples:
         )
 
     def since(self, from_ns: int) -> list[SourceMessage]:
-        """The messages that came at ``from_ns`` or later, in their order."""
+        """The messages that arrived at ``from_ns`` or later, in their order."""
         return sorted(sample.message for sample in self._all() if sample.at_ns >= from_ns)
 
     def given_up_of(self, from_ns: int) -> list[GivenUp]:
-        """Samples that a window from ``from_ns`` on lacks: those that counted as it began or came in it."""
+        """Samples that a window from ``from_ns`` on lacks: what counted as it began, or arrived in it."""
         found = (sample for replaced_ns, sample in self._given_up if replaced_ns >= from_ns)
         return sorted(found, key=attrgetter("number"))
 

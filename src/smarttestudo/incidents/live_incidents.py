@@ -66,7 +66,7 @@ class LiveIncidents(Part):
         self._ring: RingFiles | None = None
         self._ring_max_bytes = round(settings[INCIDENT_RING_MAX] * BYTES_PER_GB)
         self._locks = [FolderLock(folder, "--incidents")]
-        # Of each topic: what it came over, how much that had lost, and the stamp of its last message.
+        # Of each topic: what it arrived over, how much that had lost, and the stamp of its last message.
         self._taken: dict[str, tuple[Subscription, int, int]] = {}
         self._gone: defaultdict[str, GonePublishers] = defaultdict(GonePublishers)
         self._recorded_topics: frozenset[str] = frozenset()
@@ -213,7 +213,7 @@ class LiveIncidents(Part):
         return replace(status, incidents=state)
 
     def _say_dropped(self) -> None:
-        """Warn of what came faster than the disk took it, at most every ``_SAY_AFTER_NS``."""
+        """Warn of what arrived faster than the disk took it, at most every ``_SAY_AFTER_NS``."""
         dropped, now_ns = self._background.dropped, self._robot.steady_ns()
         if dropped > self._dropped and now_ns >= self._silent_until_ns:
             self._robot.log.warning(
@@ -343,7 +343,7 @@ class SourceChannels:
             self.by_topic[topic] = channel
 
     def of(self, topic: str, number: int) -> StoredChannel | None:
-        """The channel as it was when the message of that number came."""
+        """The channel as it was when the message of that number arrived."""
         since = self._since.get(topic, ())
         found = (channel for first, channel in reversed(since) if first <= number)
         return next(found, since[0][1] if since else None)

@@ -170,7 +170,7 @@ class IncidentRecorder:
             self._rings[topic] = ring
             kept_ns = self.time.now_ns - ring.horizon_ns
             if horizon_ns > ring.horizon_ns and ring.since is not None and ring.since[0] < kept_ns:
-                # Nobody asked for what came before that, so it is gone.
+                # Nobody asked for what arrived before that, so it is gone.
                 ring.since = (kept_ns, self.time.on_clock(kept_ns))
             ring.horizon_ns = horizon_ns
         self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
@@ -200,7 +200,7 @@ class IncidentRecorder:
             self._forget_replaced(topic, samples)
 
     def on_message(self, topic: str, stamp_ns: int, payload: bytes, publisher: Hashable = None) -> None:
-        """A message of a topic that is kept came, at ``stamp_ns`` on the clock."""
+        """Take a message of a topic that is kept, which arrived at ``stamp_ns`` on the clock."""
         self.advance(stamp_ns)
         now_ns = self.time.now_ns
         self._number += 1
@@ -228,7 +228,7 @@ class IncidentRecorder:
                 self._sink.write(message, keeping)
 
     def lose(self, topic: str, messages: int, since_ns: int, now_ns: int) -> None:
-        """So many messages of a topic were lost before they came, between two stamps of the clock."""
+        """Note messages of a topic that were lost before they arrived, between two stamps of the clock."""
         self.advance(now_ns)
         lost = Missing(
             topic=topic, reason=MissingReason.LOST, messages=messages, from_ns=since_ns, to_ns=now_ns
@@ -394,7 +394,7 @@ class IncidentRecorder:
         """Messages of a window that memory gave up, by topic: ``gone`` from the rings less ``inside``."""
         found = {topic: without(each, topic, inside) for topic, each in gone.items()}
         for topic, samples in self._latched.items():
-            # A ring knows what came in the window.
+            # A ring knows what arrived in the window.
             lacking = [
                 sample
                 for sample in samples.given_up_of(from_ns)

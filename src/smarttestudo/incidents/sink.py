@@ -34,9 +34,9 @@ class Incident:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Past:
-    """Messages that came before a beginning and belong to its incident, in the order of their numbers.
+    """Messages that arrived before a beginning and belong to its incident, in the order of their numbers.
 
-    ``latched`` came before the window, which began at the steady time ``from_ns``, and counted then.
+    ``latched`` arrived before the window, which began at the steady time ``from_ns``, and counted then.
     ``given_up`` are those, by topic, that memory did not hold any more; latched ones come first.
     """
 
@@ -46,7 +46,7 @@ class Past:
     given_up: Mapping[str, Sequence[GivenUp]] = field(default_factory=dict)
 
     def latched_of(self, topic: str) -> Iterator[GivenUp]:
-        """Messages of a topic among those given up that came before the window."""
+        """Messages of a topic among those given up that arrived before the window."""
         return takewhile(lambda message: message.at_ns < self.from_ns, self.given_up[topic])
 
 
@@ -63,7 +63,7 @@ class IncidentSink(Protocol):
         """
 
     def write(self, message: SourceMessage, incidents: Sequence[Incident]) -> None:
-        """A message came while the windows of ``incidents`` were open, which keep it."""
+        """Take a message that arrived while the windows of ``incidents`` were open, which keep it."""
 
     def end(self, incident: Incident, missing: Sequence[Missing]) -> None:
         """The window is over."""

@@ -39,7 +39,7 @@ class IncidentMessage(Protocol):
 
     @property
     def stamp_ns(self) -> int:
-        """When it came, on the clock."""
+        """When it arrived, on the clock."""
 
     @property
     def payload(self) -> bytes:
@@ -47,7 +47,7 @@ class IncidentMessage(Protocol):
 
 
 class SourceMessage(NamedTuple):
-    """An ``IncidentMessage`` as it came."""
+    """An ``IncidentMessage`` as it arrived."""
 
     number: int
     topic: str
@@ -61,7 +61,7 @@ class SourceMessage(NamedTuple):
 
 
 class GivenUp(NamedTuple):
-    """Record of a message that was given up: when it came, by steady time and by the clock."""
+    """Record of a message that was given up: when it arrived, by steady time and by the clock."""
 
     at_ns: int
     stamp_ns: int
@@ -258,7 +258,7 @@ class HeldMessages(Iterable[HeldMessage]):
         self._blocks = blocks
 
     def holds(self, number: int) -> bool:
-        """Whether the message of the topic with that number is one of them; they are the last that came."""
+        """Whether the message with that number is one of them; they are the last of the topic."""
         return bool(self._numbers) and self._numbers[0] <= number
 
     def __iter__(self) -> Iterator[HeldMessage]:
@@ -293,7 +293,7 @@ class TopicRing:
         self.since: tuple[int, int] | None = None
         self.held_bytes = 0
         self._topic = topic
-        # When each came, by steady time and by the clock, its number, where its payload starts.
+        # When each arrived, by steady time and by the clock, its number, where its payload starts.
         self._messages = _Rows(4)
         self._payloads = _Payloads(pool)
         self._given_up = _Rows(3)
@@ -304,13 +304,13 @@ class TopicRing:
         return len(self._messages)
 
     def add(self, message: SourceMessage, now_ns: int) -> None:
-        """Keep a message that came at the steady time ``now_ns``."""
+        """Keep a message that arrived at the steady time ``now_ns``."""
         self._messages.add((now_ns, message.stamp_ns, message.number, self._payloads.end))
         self._payloads.add(message.payload)
         self._count()
 
     def lose(self, lost: Missing, now_ns: int) -> None:
-        """Messages were lost before they came, as was seen at the steady time ``now_ns``."""
+        """Note messages that were lost before they arrived, as was seen at the steady time ``now_ns``."""
         if self._lost and now_ns - self._lost_since_ns < _LOSSES_AS_ONE_NS:
             self._lost[-1] = now_ns, together(self._lost[-1][1], lost)
             return
@@ -325,7 +325,7 @@ class TopicRing:
         return [lost for at_ns, lost in self._lost if at_ns >= from_ns]
 
     def forget_before(self, from_ns: int) -> None:
-        """Drop what came before ``from_ns``; nobody asks for it any more."""
+        """Drop what arrived before ``from_ns``; nobody asks for it any more."""
         messages, given_up = self._messages.before(from_ns), self._given_up.before(from_ns)
         if messages or given_up:
             self._remove(messages)
@@ -333,7 +333,7 @@ class TopicRing:
             self._count()
 
     def give_up_oldest(self) -> tuple[int, SourceMessage]:
-        """Drop the oldest message, though somebody may ask for it; the steady time when it came, and it."""
+        """Drop the oldest message, though it may be asked for; its steady time of arrival, and itself."""
         at_ns, stamp_ns, number, start = self._messages.row(0)
         end = self._start_of(1)
         payload = self._payloads.between(start, end).read(start, end)
@@ -343,14 +343,14 @@ class TopicRing:
         return at_ns, SourceMessage(number, self._topic, stamp_ns, payload)
 
     def held_since(self, from_ns: int) -> HeldMessages:
-        """The messages that came at ``from_ns`` or later and are there."""
+        """The messages that arrived at ``from_ns`` or later and are there."""
         rows, end = self._messages.since(from_ns), self._payloads.end
         starts = rows[-1]
         blocks = self._payloads.between(starts[0] if starts else end, end)
         return HeldMessages(self._topic, rows, end, blocks)
 
     def given_up_since(self, from_ns: int) -> GivenUpSpan:
-        """The messages that came then and were given up."""
+        """The messages that arrived then and were given up."""
         return GivenUpSpan(self._given_up.since(from_ns))
 
     def _start_of(self, index: int) -> int:

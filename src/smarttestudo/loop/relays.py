@@ -132,7 +132,7 @@ class Relays:
         return relayed
 
     def resend_to_new_receiver(self, topic: str, now_ns: int) -> None:
-        """A receiver of ``topic`` came that has got nothing yet."""
+        """Serve a new receiver of ``topic``, which has got nothing yet."""
         relay = self._relays.get(topic)
         if relay is not None:
             relay.begin_estimate(now_ns)

@@ -69,7 +69,7 @@ class FrameFlows:
         self.relayed: dict[str, Flow] = {}
 
     def __len__(self) -> int:
-        """How many streams came."""
+        """How many streams arrived."""
         return len(self.arrived)
 
     @property

@@ -170,7 +170,7 @@ class BoundStreams(Streams[BoundStream]):
         self._judge_again(now_ns)
 
     def forget_receivers(self, now_ns: int) -> None:
-        """A receiver came that has got nothing yet: the newest message is due at once."""
+        """Serve a new receiver, which has got nothing yet: the newest message is due at once."""
         self._estimate.forget()
         self._judge_again(now_ns)
 
@@ -216,7 +216,7 @@ class BoundStreams(Streams[BoundStream]):
         if sample is None:
             return ()
         if not stream.overdue and self._estimate.is_taken_over(sample.readings, sample.publisher):
-            # Else the last word of a node that was restarted came after the first one of its successor.
+            # Else the last word of a node that was restarted arrived after the first one of its successor.
             stream.held = None
             return ()
         for other in {stream, *self._streams_of(sample, now_ns)}:

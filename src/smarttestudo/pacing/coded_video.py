@@ -277,7 +277,7 @@ _READERS: Mapping[str, _ReadFrame] = MappingProxyType(
 class VideoGroup:
     """Whether the next frame of a stream can be decoded by who has the frames that were not left out.
 
-    Unless it ``is_known``, no key frame came yet, and none is worth less than another. While it
+    Unless it ``is_known``, no key frame arrived yet, and none is worth less than another. While it
     ``awaits_key``, there were parameters last, and what else stands before a key frame.
     """
 

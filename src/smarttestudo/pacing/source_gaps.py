@@ -133,7 +133,7 @@ class BurstGaps(SourceGaps):
         super().__init__()
         self._skipped = 0
         self.lag_ns = 0
-        """How long before ``last_ns`` that message would have come, if they came one mean gap apart.
+        """How long before ``last_ns`` that message would have come, if they arrived one mean gap apart.
 
         It is 0 unless they come in bursts. The first message of one comes late by this measure, and the last
         one in time.

@@ -134,8 +134,8 @@ class VolatileStream(Stream):
 class PublisherStream(VolatileStream):
     """All messages of one publisher, or of one name; several things may come in turn, or in bursts.
 
-    None of those starves: the messages of a burst are due as if they came one mean gap apart, and the phase
-    of the grid moves wherever something was held back.
+    None of those starves: the messages of a burst are due as if they arrived one mean gap apart, and the
+    phase of the grid moves wherever something was held back.
     """
 
     __slots__ = ("_has_skipped",)
@@ -169,7 +169,7 @@ class PublisherStream(VolatileStream):
         return super().quiet_ns
 
     def is_due(self, now_ns: int) -> bool:
-        """Whether a message that came now, and was counted, passes."""
+        """Whether a message that arrived now, and was counted, passes."""
         grid = self.grid
         return now_ns - self.source.lag_ns >= grid.due_ns or grid.pace.is_full
 
@@ -358,7 +358,7 @@ class GroupStream(VolatileStream):
         if begins and sample.frame is not VideoFrame.PARAMETERS:
             self.hold(sample, now_ns)
         else:
-            # A key frame that is held is final only once nothing came after it for a while.
+            # A key frame that is held is final only once nothing arrived after it for a while.
             self.held_ns = now_ns
         return False
 

@@ -198,7 +198,7 @@ class NamedStreams(Streams[AnyStream]):
         return any(stream.held is sample for stream in self._streams.values())
 
     def _release_older(self, sample: Sample, number: int, now_ns: int) -> Sequence[Pass]:
-        """Relay what came before arrival ``number``, which is ``sample``, and shares a name with it.
+        """Relay what arrived before arrival ``number``, which is ``sample``, and shares a name with it.
 
         What shares one with what goes first goes before that, in its order.
         """

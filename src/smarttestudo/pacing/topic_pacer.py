@@ -177,7 +177,7 @@ class TopicPacer(Pacer):
         return ()
 
     def forget_receivers(self, now_ns: int, /) -> None:
-        """A receiver came that has got nothing yet."""
+        """Serve a new receiver, which has got nothing yet."""
         if isinstance(self._streams, BoundStreams):
             self._see(now_ns)
             self._streams.forget_receivers(now_ns)

@@ -21,13 +21,13 @@ class TopicOutcome:
     """Flow of one relayed topic in, and out on ``output_topic``.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
-    came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate; ``error_percent``
-    is how far ``mean_hz`` lies above the lesser of target and ``source_hz``, likewise weighted, so it says
-    little where the source's rate varies; it is ``None`` where bounds decide what passes. Where
-    messages name streams, such as child frames, ``frames`` counts them, the target is that of each, and rates
-    are means over them. ``bounds`` say how each bound of the receiver's picture was kept, ``unreadable`` how
-    many messages of a topic with bounds lack a value of one. ``declared`` says that sizes are those that the
-    bag declares. A number that the messages do not determine is ``None``.
+    arrived in and went out. ``target_hz`` is weighted by time, with Full as the source's rate;
+    ``error_percent`` is how far ``mean_hz`` lies above the lesser of target and ``source_hz``, likewise
+    weighted, so it says little where the source's rate varies; it is ``None`` where bounds decide what
+    passes. Where messages name streams, such as child frames, ``frames`` counts them, the target is that of
+    each, and rates are means over them. ``bounds`` say how each bound of the receiver's picture was kept,
+    ``unreadable`` how many messages of a topic with bounds lack a value of one. ``declared`` says that sizes
+    are those that the bag declares. A number that the messages do not determine is ``None``.
     """
 
     output_topic: Annotated[str, JsonEntry(name="monitored_topic")]

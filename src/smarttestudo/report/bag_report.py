@@ -400,7 +400,7 @@ EVERYTHING = frozenset(FigureKind)
 
 
 def draw_over_time(request: ReportRequest, kinds: Collection[FigureKind], folder: Path) -> list[Path]:
-    """Measure the recordings, without their payloads, and draw what came when.
+    """Measure the recordings, without their payloads, and draw what arrived when.
 
     Raises:
         RecordingError: one cannot be read, or they share no topic.

@@ -56,7 +56,7 @@ def _info_columns(bag: BagSummary) -> Iterator[Column[BagTopic]]:
 
 
 def rates_table(bag: BagSummary) -> Table[BagTopic]:
-    """How fast and how evenly each topic came, and how late where that was measured."""
+    """How fast and how evenly each topic arrived, and how late where that was measured."""
     has_latency = any(topic.latency is not None for topic in bag.topics)
     return Table(
         title=f"{bag.name}: rates",

@@ -40,7 +40,7 @@ class OperatorLog:
         self._left_ns: int | None = None
         """When the last one left."""
         self._absent_s = 0.0
-        """For how long there was none, until one came again of which nothing was said yet."""
+        """For how long there was none, until one was there again of which nothing was said yet."""
 
     def look(self, there: frozenset[int], now_ns: int) -> None:
         self._lines = min(self._lines + (now_ns - self._looked_ns) / REFILL_NS, MOST_LINES)
@@ -160,7 +160,7 @@ class LinkWatch:
     def changed_receivers(
         self, rules: LiveRules, plan: Mapping[str, PlannedRate], subscribed_here: Collection[str]
     ) -> list[ListenersChanged | ReceiversReckon]:
-        """Changes for the loop: operator's ends that came, left or reckon something else.
+        """Changes for the loop: operator's ends that joined, left or reckon something else.
 
         Topics that are ``subscribed_here`` somebody shows as they are, and are not reckoned for others.
         """

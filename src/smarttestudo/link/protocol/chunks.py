@@ -201,7 +201,7 @@ class ReceivedSessions:
         self.session = 0
         """The newest session; 0 before the first."""
         self.received_bytes = 0
-        """Up to where its chunks came."""
+        """Up to where its chunks arrived."""
         self._begin_bytes = 0
         self._lost: list[LostSpan] = []
         self._is_cut = False
@@ -209,7 +209,7 @@ class ReceivedSessions:
         """The sessions before it, each with when the first chunk after it was sent."""
 
     def on_chunk(self, chunk: Chunk, size_bytes: int) -> bool:
-        """A chunk of so many bytes came; whether it follows on the last one, or begins a session."""
+        """Take a chunk of so many bytes; whether it follows on the last one, or begins a session."""
         if chunk.session < self.session:
             return False
         if chunk.session > self.session:

@@ -252,7 +252,7 @@ class CommandSender:
 
 
 TICK_NS = NS_PER_S
-"""How often to tell the time of the robot's clock though nothing came."""
+"""How often to tell the time of the robot's clock though nothing arrived."""
 ACKNOWLEDGE_NS = NS_PER_S // 20
 MAX_HZ = 100
 """Messages of one topic that are delivered in a second at most."""

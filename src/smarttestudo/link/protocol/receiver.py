@@ -28,7 +28,7 @@ from smarttestudo.link.protocol.window import (
 from smarttestudo.pacing.coded_video import VideoGroup, VideoReader
 
 KEEP_ALIVE_NS = NS_PER_S // 2
-"""How often to report though nothing came, so that the robot's end knows that somebody is there."""
+"""How often to report though nothing arrived, so that the robot's end knows that somebody is there."""
 LATE_AFTER_NS = NS_PER_S
 """A chunk that was under way for so long, and four round trips, met an outage."""
 
@@ -93,7 +93,7 @@ class LinkReceiver:
         self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
         """How often to report while something comes."""
         self.has_news = False
-        """Whether anything came since the last report."""
+        """Whether anything arrived since the last report."""
         self._reported_bytes = 0
         self._reported_ns: int | None = None
         self._ages_reported_ns = 0

@@ -66,7 +66,7 @@ class MirrorFolders:
 
 
 class _Turn:
-    """A fetch in its time: what came, and whether it is another one's turn."""
+    """A fetch in its time: what arrived, and whether it is another one's turn."""
 
     def __init__(self, steady_s: Callable[[], float]) -> None:
         self._steady_s = steady_s

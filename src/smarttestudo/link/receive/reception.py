@@ -54,9 +54,9 @@ class _Kind(NamedTuple):
 class TopicStreams:
     """The streams of one topic; ``owner`` is the run that the topic belongs to.
 
-    Of the runs that have it, that is the one of the lowest of ``ranks``, which came first: a second robot of
-    the name takes a topic from nobody, and the first one has it again after an outage. What others have of it
-    counts where the owner has a stream of the same type, QoS and definition.
+    Of the runs that have it, that is the one of the lowest of ``ranks``, which arrived first: a second robot
+    of the name takes a topic from nobody, and the first one has it again after an outage. What others have of
+    it counts where the owner has a stream of the same type, QoS and definition.
     """
 
     def __init__(self, ranks: Mapping[str, int]) -> None:
@@ -169,7 +169,7 @@ class ReceivedRobot:
     """One robot; ``boots`` are the runs of its end that are connected now.
 
     ``streams`` are those that it has, by run and number; those of a run that left stay while there is no
-    other, as it may come back. ``ranks`` tell which run came first.
+    other, as it may come back. ``ranks`` tell which run arrived first.
     """
 
     boots: set[str] = field(default_factory=set)
@@ -189,7 +189,7 @@ class Reception:
 
     Where there is a ``predictor``, so is what it makes of them. Whatever one of them fails of for a topic
     costs that topic there, which ``warn`` is told once, and is tried again. Of robots of one name the one
-    that came first has a topic (``TopicStreams``); what another one latched meanwhile is given out once it
+    that arrived first has a topic (``TopicStreams``); what another one latched meanwhile is given out once it
     has the topic. ``note`` is told of all that counts. Times are ns of a clock that never jumps.
     """
 

@@ -62,12 +62,12 @@ class Fetching:
 
     @property
     def waiting_bytes(self) -> int:
-        """Bytes that came before those that they follow on."""
+        """Bytes that arrived before those that they follow on."""
         return sum(piece.covered_bytes for piece in self._ready.values())
 
     @property
     def wake_ns(self) -> int | None:
-        """When to ask again though nothing came; ``None`` while an answer is waited for."""
+        """When to ask again though nothing arrived; ``None`` while an answer is waited for."""
         return self._hold_until_ns if self._under_way == 0 and not self.is_complete else None
 
     def asks(self, now_ns: int) -> Iterator[RangeAsk]:

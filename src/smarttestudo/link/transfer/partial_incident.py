@@ -188,7 +188,7 @@ class PartialIncident:
         return state if isinstance(state, dict) else {}
 
     def _known_cursor(self, state: Mapping[str, object]) -> int:
-        """How far an earlier fetch of the same plan came; 0 where there was none."""
+        """How far an earlier fetch of the same plan got; 0 where there was none."""
         try:
             cursor = int(str(state["cursor"]))
             is_same = state["token"] == self._plan.token.hex() and 0 <= cursor <= self._plan.size_bytes

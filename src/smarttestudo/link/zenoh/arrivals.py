@@ -75,7 +75,7 @@ class EventQueue:
         """All that waits, as soon as there is something; nothing after ``timeout_s``."""
         self._news.wait(timeout_s)
         with self._lock:
-            # What came since then is read now.
+            # What arrived since then is read now.
             self._news.wait(0)
             events = list(self._events.values())
             self._events.clear()

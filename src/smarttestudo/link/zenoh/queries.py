@@ -76,7 +76,7 @@ class Query:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WaitingQuestion:
-    """A question that came at ``asked_ns``; ``later`` has the answer given, for which nobody waits here."""
+    """A question of ``asked_ns``; ``later`` has the answer given, for which nobody waits here."""
 
     question: Question
     asked_ns: int

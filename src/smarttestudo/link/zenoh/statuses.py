@@ -88,7 +88,7 @@ class _Listening:
 
 
 class StatusListener:
-    """Hears the robots that were added. ``malformed`` counts what came on their keys and is no status.
+    """Hears the robots that were added. ``malformed`` counts what arrived on their keys and is no status.
 
     ``poll`` asks for full statuses where they are missed; ``wake`` has it called at once.
     """

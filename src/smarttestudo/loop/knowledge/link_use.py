@@ -43,7 +43,7 @@ class Measure(NamedTuple):
 
 @dataclass(slots=True)
 class _Second:
-    """The messages of one second: when the first came, how many, how many bytes."""
+    """The messages of one second: when the first arrived, how many, how many bytes."""
 
     first_ns: int
     messages: int = 0

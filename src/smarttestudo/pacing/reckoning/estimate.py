@@ -172,7 +172,7 @@ class Estimate:
         return gauge.written(payload, moved, within)
 
     def forget(self) -> None:
-        """A receiver came that has got nothing yet."""
+        """Serve a new receiver, which has got nothing yet."""
         for known in self._shown:
             known.clear()
 

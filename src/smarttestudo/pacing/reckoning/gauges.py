@@ -76,7 +76,7 @@ class Gauge(Protocol):
         """Whether the motion of a part may come from its last two messages."""
 
     def read(self, payload: bytes, message: object | None, now_ns: int) -> Reading | None:
-        """The parts of a message that came at ``now_ns``; ``None`` where they cannot be read."""
+        """The parts of a message that arrived at ``now_ns``; ``None`` where they cannot be read."""
 
     def motion(self, before: MovingPart | None, part: MovingPart) -> Any:
         """How ``part`` moves on, given the part of that name that a receiver got ``before``."""
