@@ -27,11 +27,7 @@ def test_the_extra_ros_is_offered_where_it_has_ros_alone(
     monkeypatch: pytest.MonkeyPatch, system: str, machine: str, python: tuple[int, int]
 ) -> None:
     requirements = map(Requirement, PROJECT["project"]["optional-dependencies"]["ros"])
-    here = {
-        "sys_platform": system,
-        "platform_machine": machine,
-        "python_version": ".".join(map(str, python)),
-    }
+    here = {"sys_platform": system, "platform_machine": machine, "python_version": ".".join(map(str, python))}
     installed = {one.name for one in requirements if one.marker is None or one.marker.evaluate(dict(here))}
     monkeypatch.setattr(sys, "platform", system)
     monkeypatch.setattr(platform, "machine", lambda: machine)

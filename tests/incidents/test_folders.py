@@ -20,16 +20,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
-from incidents.folder_runs import (
-    LATCHED,
-    MS,
-    START_MS,
-    FolderRun,
-    channel,
-    disk_bytes,
-    payloads,
-    record_of,
-)
+from incidents.folder_runs import LATCHED, MS, START_MS, FolderRun, channel, disk_bytes, payloads, record_of
 from incidents.incident_runs import AMPLE_BYTES, recording_rules, trigger, windows
 from smarttestudo.bags.incident_record import read_record
 from smarttestudo.files.whole_file import OutputFileError
@@ -366,10 +357,7 @@ def test_a_disk_that_is_too_slow_costs_messages_that_are_counted(tmp_path: Path)
     held = payloads(path)
     lost = next(one for one in record_of(path)["missing"] if one["reason"] == "disk")
     assert len(held) + lost["messages"] == 10
-    assert (lost["from_ns"], lost["to_ns"]) == (
-        (START_MS + 10 * (len(held) + 1)) * MS,
-        (START_MS + 100) * MS,
-    )
+    assert (lost["from_ns"], lost["to_ns"]) == ((START_MS + 10 * (len(held) + 1)) * MS, (START_MS + 100) * MS)
 
 
 def test_one_run_at_a_time_records_into_a_folder(tmp_path: Path) -> None:

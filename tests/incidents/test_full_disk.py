@@ -25,17 +25,7 @@ from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.incidents.folder import complete_incidents
 from smarttestudo.incidents.live_outages import OutageFolder
 
-WRITES = (
-    "mkdir",
-    "open",
-    "fdopen",
-    "writev",
-    "write",
-    "pwrite",
-    "posix_fallocate",
-    "rename",
-    "replace",
-)
+WRITES = ("mkdir", "open", "fdopen", "writev", "write", "pwrite", "posix_fallocate", "rename", "replace")
 MESSAGES = 12
 SIZE_BYTES = 300
 ONCE = 1

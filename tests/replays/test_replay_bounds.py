@@ -13,15 +13,7 @@ from pathlib import Path
 import pytest
 
 from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, cdr, message_of
-from pacing.reckoning.ros_messages import (
-    JOINTS,
-    ODOMETRY,
-    TRANSFORMS,
-    joints,
-    odometry,
-    planar,
-    transforms,
-)
+from pacing.reckoning.ros_messages import JOINTS, ODOMETRY, TRANSFORMS, joints, odometry, planar, transforms
 from replays.replay_runs import ReplayRun, replay_content
 from smarttestudo.accuracy.recorded_loss import LossQuestion, measure_loss
 from smarttestudo.cli.main import main
@@ -108,9 +100,7 @@ def test_a_block_that_is_never_known_leaves_a_topic_its_rate(tmp_path: Path) -> 
     assert bounds_of(run, "/odom") == {}
 
 
-def test_a_robot_that_is_reckoned_sends_a_heartbeat_and_what_is_recorded_was_sent(
-    tmp_path: Path,
-) -> None:
+def test_a_robot_that_is_reckoned_sends_a_heartbeat_and_what_is_recorded_was_sent(tmp_path: Path) -> None:
     content = recorded("/odom", ODOMETRY, 50, 20, driven)
     rules = "SetFrequency /odom Full KeepWithin /odom position 0.01"
     run = replay_content(content, rules, tmp_path, predict=frozenset({"/odom"}))

@@ -10,15 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from bags.bag_factory import (
-    ODOM,
-    START_NS,
-    BagContent,
-    BagMessage,
-    odometry,
-    small_mission,
-    write_bag,
-)
+from bags.bag_factory import ODOM, START_NS, BagContent, BagMessage, odometry, small_mission, write_bag
 from bags.bag_reading import read_bag, read_with_rosbags
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.cli.main import main

@@ -10,13 +10,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 
-from smarttestudo.accuracy.accuracy_curve import (
-    AccuracyCurve,
-    AccuracyPoint,
-    BoundCost,
-    FixedPicture,
-    Motion,
-)
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost, FixedPicture, Motion
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.accuracy.loss_report import (
     Age,

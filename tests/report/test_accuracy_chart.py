@@ -16,13 +16,7 @@ from hypothesis import strategies as st
 
 from report.demo_like_report import demo_like_accuracy
 from report.test_report import bare_report
-from smarttestudo.accuracy.accuracy_curve import (
-    AccuracyCurve,
-    AccuracyPoint,
-    BoundCost,
-    FixedPicture,
-    Motion,
-)
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve, AccuracyPoint, BoundCost, FixedPicture, Motion
 from smarttestudo.accuracy.arms import PacedPicture
 from smarttestudo.report.accuracy_curve import accuracy_chart, draw_accuracy
 from smarttestudo.report.document import render_report

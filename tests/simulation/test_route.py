@@ -209,10 +209,7 @@ GOOD = "[[waypoints]]\nat_m = [10.8, 5]\n[[waypoints]]\nat_m = [10.8, 3]\n[[wayp
         (GOOD + "pause_s = -1\n", "waypoint 3: error: pause_s must be a number from 0 to 86400"),
         (GOOD + "pause_s = true\n", "waypoint 3: error: pause_s must be a number"),
         (GOOD + "speed_m_per_s = 0.5\n", "speed_m_per_s must be a number from 0.05 to 0.26"),
-        (
-            GOOD.replace("[10.8, 3]", "[10.8, 4.9]"),
-            "the way from waypoint 1 to the next is 0.10 m",
-        ),
+        (GOOD.replace("[10.8, 3]", "[10.8, 4.9]"), "the way from waypoint 1 to the next is 0.10 m"),
         (GOOD + "pause_s = 1\n", "the robot would touch something at"),
         (GOOD + "= 3\n", "mission.toml:7:1: error: not valid TOML"),
     ],

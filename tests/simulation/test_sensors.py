@@ -205,9 +205,7 @@ def test_a_ray_names_the_obstacle_it_meets_and_none_beyond_its_range() -> None:
 
 def _view(distance_m: float) -> np.ndarray:
     rack = Rectangle(min_x_m=distance_m, max_x_m=distance_m + 1, min_y_m=-9, max_y_m=0.0)
-    plan = FloorPlan(
-        obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),),
-    )
+    plan = FloorPlan(obstacles=(Obstacle(kind=ObstacleKind.RACK, footprint=rack, height_m=0.5),))
     lens = raspberry_pi_lens(FrameSize.FULL)
     return render(RayCaster(plan), Pose(0.0, 0.0, 0.0), 0.1, lens, np.random.default_rng(0))
 

@@ -105,10 +105,7 @@ def sha256_of_rules(text: str) -> str:
 
 
 def load_rules(
-    paths: Sequence[Path],
-    *,
-    profile: Profile | None = None,
-    bag_topics: Mapping[str, str] | None = None,
+    paths: Sequence[Path], *, profile: Profile | None = None, bag_topics: Mapping[str, str] | None = None
 ) -> LoadedRules:
     """Read, check and compile the rule files at ``paths``, which may be folders; see ``check_texts``.
 

@@ -184,14 +184,7 @@ def test_progress_names_the_folder_that_was_asked_for_and_not_where_it_is_made(t
 
     out = tmp_path / "demo-out"
     run_demo(
-        DemoRequest(
-            out=out,
-            seconds=3,
-            seed=0,
-            full_images=False,
-            when_slow=WhenSlow.PASS,
-            progress=progress,
-        )
+        DemoRequest(out=out, seconds=3, seed=0, full_images=False, when_slow=WhenSlow.PASS, progress=progress)
     )
     assert [label for label in labels if label.startswith("Reading")] == [
         f"Reading {out / 'baseline'}",

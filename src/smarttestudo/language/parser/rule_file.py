@@ -8,12 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Finding, Fix, Span
-from smarttestudo.language.parser.blocks import (
-    parse_actions,
-    parse_block,
-    parse_set,
-    parse_within,
-)
+from smarttestudo.language.parser.blocks import parse_actions, parse_block, parse_set, parse_within
 from smarttestudo.language.parser.cursor import (
     SAFE_PLACES,
     STATEMENT_STARTS,
