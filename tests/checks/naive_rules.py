@@ -5,16 +5,16 @@
 from __future__ import annotations
 
 import itertools
-import operator
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import cache
 
 from hypothesis import strategies as st
 
+from language.evaluator.naive_rules import naive_truth
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.resolved_rules import Branch
-from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Operator, Or, Timed
+from smarttestudo.language.syntax import Condition, Operator
 
 State = dict[Signal, float]
 
@@ -30,14 +30,6 @@ VALUES = {
         if LIMITS[signal][0] <= value <= LIMITS[signal][1]
     ]
     for signal, numbers in THRESHOLDS.items()
-}
-_COMPARE: Mapping[Operator, Callable[[float, float], bool]] = {
-    Operator.GREATER: operator.gt,
-    Operator.LESS: operator.lt,
-    Operator.GREATER_EQUAL: operator.ge,
-    Operator.LESS_EQUAL: operator.le,
-    Operator.EQUAL: operator.eq,
-    Operator.NOT_EQUAL: operator.ne,
 }
 
 
@@ -82,20 +74,7 @@ rule_files = st.lists(blocks(), min_size=1, max_size=4).map(lambda parts: "\n".j
 
 
 def holds(condition: Condition, state: Mapping[Signal, float]) -> bool:
-    match condition:
-        case Timed():
-            raise TypeError(condition)
-        case Check():
-            value = state[Signal(condition.topic.text, condition.property)]
-            return _COMPARE[condition.operator](value, condition.value)
-        case Group():
-            return holds(condition.operand, state)
-        case Not():
-            return not holds(condition.operand, state)
-        case And():
-            return all(holds(part, state) for part in condition.operands)
-        case Or():
-            return any(holds(part, state) for part in condition.operands)
+    return naive_truth(condition, state) is True
 
 
 def applies(branch: Branch, state: Mapping[Signal, float]) -> bool:
