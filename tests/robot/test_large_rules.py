@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,9 @@ import pytest
 from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.errors import RosError, RuleFileError, UsageError
 from smarttestudo.domain.names import resolve_topic
-from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules, UncheckedRules
+from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules, are_large, check_live_rules
 from smarttestudo.robot.output_topics import OutputTopic
-from smarttestudo.robot.rule_checking import check_elsewhere
+from smarttestudo.robot.rule_checking import CheckRules, check_elsewhere
 from smarttestudo.robot.rules import POLL_PERIOD_S, LiveRuleFiles, Reading, RuleWatch
 
 TIMED = """
@@ -35,8 +36,8 @@ def zones(count: int, rate: int = 5) -> str:
     return "\n".join(["begin SetFrequency /scan 1 SetFrequency /imu 1", TIMED, *blocks, "end"])
 
 
-def unchecked(text: str) -> UncheckedRules:
-    return UncheckedRules(texts={"a.adirf": text}, profile=Path("p.toml"), profile_text=PROFILE)
+def check_of(text: str) -> CheckRules:
+    return partial(check_live_rules, {"a.adirf": text}, Path("p.toml"), PROFILE)
 
 
 def below_ada(topic: str) -> str:
@@ -45,14 +46,14 @@ def below_ada(topic: str) -> str:
     return f"/ada{resolve_topic(topic)}"
 
 
-def elsewhere(rules: UncheckedRules) -> LiveRules:
-    return check_elsewhere(rules, below_ada, lambda: False)
+def elsewhere(check: CheckRules) -> LiveRules:
+    return check_elsewhere(check, below_ada, lambda: False)
 
 
 def test_they_mean_what_they_mean_here() -> None:
-    rules = unchecked(zones(700))
-    assert rules.is_large
-    there, here = elsewhere(rules), rules.checked(below_ada)
+    check = check_of(zones(700))
+    there, here = elsewhere(check), check(below_ada)
+    assert here.is_large
     assert there == here
     assert (
         there.rule_set.relayed
@@ -73,30 +74,30 @@ def test_they_mean_what_they_mean_here() -> None:
 )
 def test_their_errors_are_those_of_a_check_here(text: str, kind: type[Exception]) -> None:
     with pytest.raises(kind) as here:
-        unchecked(text).checked(below_ada)
+        check_of(text)(below_ada)
     with pytest.raises(kind) as there:
-        elsewhere(unchecked(text))
+        elsewhere(check_of(text))
     assert str(there.value) == str(here.value)
 
 
 def test_names_of_outputs_that_are_taken_are_an_error_of_usage() -> None:
     files = LiveRuleFiles([], None, resolve=resolve_topic, output_topic=OutputTopic(pattern="{topic}"))
-    assert unchecked(zones(700)).is_large
+    assert are_large({"a.adirf": zones(700)})
     with pytest.raises(UsageError, match="its own name"):
         files.check(zones(700))
 
 
 def test_without_another_process_they_are_checked_here(monkeypatch: pytest.MonkeyPatch) -> None:
-    rules = unchecked(zones(3))
+    check = check_of(zones(3))
     for program in ("/nowhere/python", "/bin/false"):
         monkeypatch.setattr(sys, "executable", program)
-        assert elsewhere(rules) == rules.checked(below_ada)
+        assert elsewhere(check) == check(below_ada)
 
 
 def test_nobody_waits_for_them_once_the_run_ends() -> None:
     start_s = time.monotonic()
     with pytest.raises(RuleFileError, match="not checked to the end"):
-        check_elsewhere(unchecked(zones(6000)), resolve_topic, lambda: True)
+        check_elsewhere(check_of(zones(6000)), resolve_topic, lambda: True)
     assert time.monotonic() - start_s < 30
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The rules of a live run, before and after they are checked."""
+"""The rules of a live run."""
 
 from __future__ import annotations
 
@@ -62,44 +62,33 @@ class LiveRules:
         )
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UncheckedRules:
-    """Rule texts by path, and the text of the profile at ``profile``, if there is one."""
+def check_live_rules(
+    texts: Mapping[str, str], profile_path: Path | None, profile_text: str | None, resolve: Resolve
+) -> LiveRules:
+    """The rules of ``texts`` by path beside the profile at ``profile_path``; their outputs have no names yet.
 
-    texts: Mapping[str, str]
-    profile: Path | None
-    profile_text: str | None
+    ``resolve`` gives the full name of a topic. Raises ``TestudoError``.
+    """
+    names: dict[str, str] = {}
 
-    @property
-    def is_large(self) -> bool:
-        """Whether checking them takes so long that messages would wait."""
-        return are_large(self.texts)
+    def named(topic: str) -> str:
+        if topic not in names:
+            names[topic] = resolve(topic)
+        return names[topic]
 
-    def checked(self, resolve: Resolve) -> LiveRules:
-        """The rules, where ``resolve`` gives the full name of a topic; their outputs have no names yet.
+    profile = None
+    if profile_path is not None and profile_text is not None:
+        from smarttestudo.rules.profile_file import parse_profile  # noqa: PLC0415  it reads TOML
 
-        Raises ``TestudoError``.
-        """
-        names: dict[str, str] = {}
-
-        def named(topic: str) -> str:
-            if topic not in names:
-                names[topic] = resolve(topic)
-            return names[topic]
-
-        profile = None
-        if self.profile is not None and self.profile_text is not None:
-            from smarttestudo.rules.profile_file import parse_profile  # noqa: PLC0415  it reads TOML
-
-            profile = parse_profile(self.profile_text, self.profile).resolved(named)
-        loaded = check_texts(self.texts, profile=profile, resolve=named)
-        loaded.refuse_errors()
-        return LiveRules(
-            rule_set=loaded.rule_set,
-            profile=profile or Profile(),
-            in_force=loaded.in_force,
-            texts=self.texts,
-            profile_text=self.profile_text,
-            names=names,
-            doubts=loaded.doubts,
-        )
+        profile = parse_profile(profile_text, profile_path).resolved(named)
+    loaded = check_texts(texts, profile=profile, resolve=named)
+    loaded.refuse_errors()
+    return LiveRules(
+        rule_set=loaded.rule_set,
+        profile=profile or Profile(),
+        in_force=loaded.in_force,
+        texts=texts,
+        profile_text=profile_text,
+        names=names,
+        doubts=loaded.doubts,
+    )

@@ -16,14 +16,14 @@ import subprocess
 import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from io import BytesIO
 from multiprocessing.connection import Connection, Pipe
 
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleBlock
-from smarttestudo.robot.live_rules import LiveRules, UncheckedRules
+from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.low_priority import low_priority
 
 _POLL_S = 0.2
@@ -32,8 +32,12 @@ _CHILD = "import json, sys; sys.path[:] = json.loads(sys.argv[2]); "
 _CHILD += "from smarttestudo.robot.rule_checking import serve; serve(int(sys.argv[1]))"
 
 
-def check_elsewhere(rules: UncheckedRules, resolve: Resolve, is_ended: Callable[[], bool]) -> LiveRules:
-    """Check ``rules`` in a process of their own, or here where none can be had. Raises ``TestudoError``.
+CheckRules = Callable[[Resolve], LiveRules]
+"""Checks rules; it travels to another process, with all that it needs but the names of topics."""
+
+
+def check_elsewhere(check: CheckRules, resolve: Resolve, is_ended: Callable[[], bool]) -> LiveRules:
+    """Call ``check`` in a process of its own, or here where none can be had. Raises ``TestudoError``.
 
     Nobody waits for the process once the run ``is_ended``.
     """
@@ -50,23 +54,23 @@ def check_elsewhere(rules: UncheckedRules, resolve: Resolve, is_ended: Callable[
                     start_new_session=True,
                 )
             except OSError:
-                return rules.checked(resolve)
+                return check(resolve)
         try:
-            answer = _answer(ours, rules, resolve, is_ended)
+            answer = _answer(ours, check, resolve, is_ended)
         except (EOFError, OSError):
-            return rules.checked(resolve)
+            return check(resolve)
         finally:
             process.kill()
             process.wait()
     if isinstance(answer, Exception):
         raise answer
-    return replace(answer, texts=rules.texts, profile_text=rules.profile_text)
+    return answer
 
 
 def _answer(
-    pipe: Connection, rules: UncheckedRules, resolve: Resolve, is_ended: Callable[[], bool]
+    pipe: Connection, check: CheckRules, resolve: Resolve, is_ended: Callable[[], bool]
 ) -> LiveRules | Exception:
-    pipe.send(rules)
+    pipe.send(check)
     incoming = _Incoming()
     blocks: list[RuleBlock] = []
     while True:
@@ -159,12 +163,12 @@ def serve(descriptor: int) -> None:
             return str(full)
 
         try:
-            unchecked: UncheckedRules = pipe.recv()
-            rules = unchecked.checked(resolve)
+            check: CheckRules = pipe.recv()
+            rules = check(resolve)
             rule_set = rules.rule_set
             for start in range(0, len(rule_set.blocks), _BLOCKS_A_PIECE):
                 send(_Piece(blocks=rule_set.blocks[start : start + _BLOCKS_A_PIECE]))
             object.__setattr__(rule_set, "blocks", ())
-            send(replace(rules, texts={}, profile_text=None))
+            send(rules)
         except Exception as error:  # noqa: BLE001 - the other side raises it
             send(error)

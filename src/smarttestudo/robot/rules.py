@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import count
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -19,7 +20,7 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import PreparedRules
 from smarttestudo.robot.fallback import ReadableRates, readable_rates
-from smarttestudo.robot.live_rules import LiveRules, UncheckedRules, are_large
+from smarttestudo.robot.live_rules import LiveRules, are_large, check_live_rules
 from smarttestudo.robot.low_priority import low_priority
 from smarttestudo.robot.output_topics import OutputTopic, output_topics
 from smarttestudo.rules.rule_files import (
@@ -145,13 +146,13 @@ class LiveRuleFiles:
         return read_toml_text(self._profile)
 
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
-        unchecked = UncheckedRules(texts=texts, profile=self._profile, profile_text=profile_text)
-        if unchecked.is_large:
+        check = partial(check_live_rules, texts, self._profile, profile_text)
+        if are_large(texts):
             from smarttestudo.robot.rule_checking import check_elsewhere  # noqa: PLC0415  few rules are large
 
-            rules = check_elsewhere(unchecked, self._resolve, self._ended.is_set)
+            rules = check_elsewhere(check, self._resolve, self._ended.is_set)
         else:
-            rules = unchecked.checked(self._resolve)
+            rules = check(self._resolve)
         return replace(rules, output_topics=output_topics(rules.rule_set, self._output_topic))
 
 
