@@ -14,7 +14,7 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.loop import Relayed, RelayLoop
 from smarttestudo.loop.inputs import ChangeInput, MessageInput, RulesInput, WakeInput
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.pacing.sample import WhenSlow
 
 MS = 1_000_000
@@ -69,7 +69,7 @@ class LoopDriver:
         self.reload_rule_set(rule_set_of(rules), profile)
 
     def reload_rule_set(
-        self, rule_set: RuleSet, profile: Profile | None = None, prepared: PreparedRules | None = None
+        self, rule_set: RuleSet, profile: Profile | None = None, prepared: RuleExchange | None = None
     ) -> None:
         given = RulesInput(
             stamp_ns=self.now_ns, rule_set=rule_set, profile=profile or Profile(), prepared=prepared

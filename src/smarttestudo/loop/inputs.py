@@ -14,7 +14,7 @@ from smarttestudo.domain.record import JsonEntry
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.pacing.sample import WhenSlow
 
 
@@ -68,7 +68,7 @@ class RulesInput:
     stamp_ns: int
     rule_set: RuleSet
     profile: Profile
-    prepared: PreparedRules | None = None
+    prepared: RuleExchange | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

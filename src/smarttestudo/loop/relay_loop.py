@@ -24,7 +24,7 @@ from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, Message
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.loop.reload import PreparedRules, exchange_rules, made_by_reload
+from smarttestudo.loop.reload import RuleExchange, exchange_rules, made_by_reload
 from smarttestudo.loop.step import Trigger, meter, step
 from smarttestudo.pacing.sample import WhenSlow
 
@@ -143,10 +143,10 @@ class RelayLoop:
         """Which conditions hold, of the first ``most`` blocks; to be asked right after a ``WakeInput``."""
         return BlockStates(self.knowledge, self.knowledge.time.at(now_ns), most)
 
-    def prepare(self, rule_set: RuleSet, yield_turn: Yield = never_yield) -> PreparedRules:
+    def prepare(self, rule_set: RuleSet, yield_turn: Yield = never_yield) -> RuleExchange:
         """Other rules, prepared to replace those in force; another thread may call it meanwhile."""
         knowledge = self.knowledge
-        return PreparedRules(knowledge.rule_set, rule_set, knowledge.evaluator.values, yield_turn)
+        return RuleExchange(knowledge.rule_set, rule_set, knowledge.evaluator.values, yield_turn)
 
     def take_decisions(self) -> list[Decision]:
         """The decisions since the last call; at first, one for every relayed topic."""
@@ -207,7 +207,7 @@ class RelayLoop:
         self.knowledge.time.advance(now_ns)
         prepared = given.prepared
         if prepared is None or not prepared.fits(self.knowledge.rule_set, rule_set):
-            prepared = PreparedRules(self.knowledge.rule_set, rule_set)
+            prepared = RuleExchange(self.knowledge.rule_set, rule_set)
         self._decisions += exchange_rules(self.knowledge, prepared, profile, self._sources)
         self._watched = self.knowledge.watched.keys()
         relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)

@@ -39,11 +39,11 @@ class SameRules:
     named: Mapping[tuple[str, int], RuleBlock]
 
 
-class PreparedRules:
-    """Other rules in place of ``before``: all that can be made of them before they come into force.
+class RuleExchange:
+    """An exchange of the rules ``before`` for ``after``, and all that can be made before it.
 
-    So the loop need not stop for as long as their number takes. They come into force once; ``values`` of
-    signals may be those then. ``same`` are the topics whose rules stay the same.
+    So the loop need not stop for as long as the number of rules takes. An exchange is made once; ``values``
+    of signals may be those then. ``same`` are the topics whose rules stay the same.
     """
 
     def __init__(
@@ -66,7 +66,7 @@ class PreparedRules:
         self.counterpart = _counterparts(before, after, yield_turn)
 
     def fits(self, before: RuleSet, after: RuleSet) -> bool:
-        """Whether these are the rules that it was made of."""
+        """Whether it is an exchange of these rules."""
         return self.before is before and self.after is after
 
     def dismantle(self, yield_turn: Yield = never_yield) -> None:
@@ -117,7 +117,7 @@ def _counterparts(before: RuleSet, after: RuleSet, yield_turn: Yield) -> Callabl
 
 
 def exchange_rules(
-    knowledge: Knowledge, prepared: PreparedRules, profile: Profile, sources: Mapping[str, SourceChanged]
+    knowledge: Knowledge, prepared: RuleExchange, profile: Profile, sources: Mapping[str, SourceChanged]
 ) -> tuple[Decision, ...]:
     """Put other rules and another profile in force; the next step, to be made now, plans by them.
 

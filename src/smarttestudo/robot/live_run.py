@@ -18,7 +18,7 @@ from smarttestudo.files.own_process import read_own_process
 from smarttestudo.loop.block_states import BlockStates
 from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, MessageInput, RulesInput, WakeInput
 from smarttestudo.loop.relay import Relayed
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.robot.clock_jumps import ClockJumps
 from smarttestudo.robot.compiled_topics import CompiledTopics
 from smarttestudo.robot.decisions import LiveDecisions
@@ -115,7 +115,7 @@ class LiveRun:
             for part in self._parts:
                 part.close()
 
-    def reload(self, rules: LiveRules, prepared: PreparedRules | None = None) -> None:
+    def reload(self, rules: LiveRules, prepared: RuleExchange | None = None) -> None:
         """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``.
 
         ``prepared`` may have been made of them beforehand.

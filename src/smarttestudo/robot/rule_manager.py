@@ -15,7 +15,7 @@ from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
 from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.robot.fallback import FallbackChoice, FallbackTopics
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
@@ -252,7 +252,7 @@ class RuleManager:
         self._robot.log.info(self._writer.write(rules.texts[PUSHED], self._loaded))
         self._apply(self._files.read())
 
-    def _hold(self, prepared: PreparedRules | None = None) -> None:
+    def _hold(self, prepared: RuleExchange | None = None) -> None:
         self._live.reload(self._rules, prepared)
         if prepared is not None:
             self._watch.free(prepared)

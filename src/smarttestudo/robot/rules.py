@@ -18,7 +18,7 @@ from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testud
 from smarttestudo.domain.timing import Yield
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.loop.reload import PreparedRules
+from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.robot.fallback import ReadableRates, readable_rates
 from smarttestudo.robot.live_rules import LiveRules, are_large, check_live_rules
 from smarttestudo.robot.low_priority import low_priority
@@ -49,7 +49,7 @@ class Reading:
     content: str
     rules: LiveRules | None = None
     error: TestudoError | None = None
-    prepared: PreparedRules | None = None
+    prepared: RuleExchange | None = None
     readable: ReadableRates = field(default_factory=ReadableRates)
 
 
@@ -167,11 +167,11 @@ class RuleWatch:
     """
 
     def __init__(
-        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Yield], PreparedRules]
+        self, files: LiveRuleFiles, last: Reading, prepare: Callable[[RuleSet, Yield], RuleExchange]
     ) -> None:
         self._files = files
         self._prepare = prepare
-        self._replaced: SimpleQueue[PreparedRules] = SimpleQueue()
+        self._replaced: SimpleQueue[RuleExchange] = SimpleQueue()
         self._readings: SimpleQueue[Reading] = SimpleQueue()
         self._ended = threading.Event()
         self._read: FileStates | None = last.states
@@ -187,7 +187,7 @@ class RuleWatch:
             while True:
                 yield self._readings.get_nowait()
 
-    def free(self, replaced: PreparedRules) -> None:
+    def free(self, replaced: RuleExchange) -> None:
         """Have the rules freed in the place of which ``replaced`` came into force."""
         self._replaced.put(replaced)
 
