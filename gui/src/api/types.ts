@@ -594,8 +594,8 @@ export interface IncidentRecord {
  * `held_bytes` of at most `memory_bytes` are kept of `topics` topics for what may happen, and
  * `ring_bytes` of at most `ring_max_bytes` on disk, which is `None` if memory is all there is.
  * Incidents are `open` now, were `recorded` whole, or `failed` since the start; `problem` says why
- * the last one could not be written, until the next one can. Of their messages, `dropped` came faster than
- * the disk took them, and so many are `missing` in those that ended, whatever the reason. At so many
+ * the last one could not be written, until the next one can. Of their messages, `dropped` arrived faster
+ * than the disk took them, and so many are `missing` in those that ended, whatever the reason. At so many
  * `further_moments` a rule began to hold again and extended its incident.
  */
 export interface IncidentState {
@@ -761,7 +761,7 @@ export interface LevelsRequest {
  * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
  * `outages` how often nothing arrived at the operator's end for more than a second and four round trips,
  * whether its connection was cut or it was started anew. `sessions` counts how often an operator's end
- * came that may lack what was sent before. All operator's ends that are there reckon the topics in
+ * joined that may lack what was sent before. All operator's ends that are there reckon the topics in
  * `predicted` where they are told how; `operators` are their numbers.
  */
 export interface LinkState {
@@ -1699,13 +1699,13 @@ export interface TopicOnLink {
  * Flow of one relayed topic in, and out on `output_topic`.
  *
  * `messages_out` includes `repeated`. `source_hz` and `mean_hz` are (n − 1) / (last − first) of what
- * came in and went out. `target_hz` is weighted by time, with Full as the source's rate; `error_percent`
- * is how far `mean_hz` lies above the lesser of target and `source_hz`, likewise weighted, so it says
- * little where the source's rate varies; it is `None` where bounds decide what passes. Where
- * messages name streams, such as child frames, `frames` counts them, the target is that of each, and rates
- * are means over them. `bounds` say how each bound of the receiver's picture was kept, `unreadable` how
- * many messages of a topic with bounds lack a value of one. `declared` says that sizes are those that the
- * bag declares. A number that the messages do not determine is `None`.
+ * came in and went out. `target_hz` is weighted by time, with Full as the source's rate;
+ * `error_percent` is how far `mean_hz` lies above the lesser of target and `source_hz`, likewise
+ * weighted, so it says little where the source's rate varies; it is `None` where bounds decide what
+ * passes. Where messages name streams, such as child frames, `frames` counts them, the target is that of
+ * each, and rates are means over them. `bounds` say how each bound of the receiver's picture was kept,
+ * `unreadable` how many messages of a topic with bounds lack a value of one. `declared` says that sizes
+ * are those that the bag declares. A number that the messages do not determine is `None`.
  */
 export interface TopicOutcome {
   monitored_topic: string;
@@ -1737,14 +1737,14 @@ export type TopicSource = "profile" | "robot" | "rules" | "example";
  *
  * `reason`, `rule` and `line` are those of its planned rate. Rates are (n − 1) / (last − first) over
  * about ten seconds, those of the output since its target last changed, that of the source with what was
- * lost of it before it came here; `loss` is there while that is much. `target_hz` is infinite for Full
- * and 0 for Off, `expected_hz` the lesser of target and source, `error_percent` how far `actual_hz`
- * lies above it, and not `keeps_rate` that it is off by more than pacing explains. `stamped_hz` is the
- * rate by the messages' own header stamps and `delay_ms` how old the last one was when it was relayed.
- * `incompatible` are nodes that subscribe to the output with a QoS it cannot serve, `problem` says why
- * the topic cannot be relayed. `frames` counts the streams that the messages name, such as child frames;
- * rates are means over them then. `within` are the bounds of the receiver's picture with their
- * `bound_reasons`, as in the plan. A number that the messages do not determine is `None`.
+ * lost of it before it arrived here; `loss` is there while that is much. `target_hz` is infinite for
+ * Full and 0 for Off, `expected_hz` the lesser of target and source, `error_percent` how far
+ * `actual_hz` lies above it, and not `keeps_rate` that it is off by more than pacing explains.
+ * `stamped_hz` is the rate by the messages' own header stamps and `delay_ms` how old the last one was
+ * when it was relayed. `incompatible` are nodes that subscribe to the output with a QoS it cannot serve,
+ * `problem` says why the topic cannot be relayed. `frames` counts the streams that the messages name,
+ * such as child frames; rates are means over them then. `within` are the bounds of the receiver's picture
+ * with their `bound_reasons`, as in the plan. A number that the messages do not determine is `None`.
  */
 export interface TopicStatus {
   output: string;

@@ -73,7 +73,7 @@ class LinkState:
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
     ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
     whether its connection was cut or it was started anew. ``sessions`` counts how often an operator's end
-    arrived that may lack what was sent before. All operator's ends that are there reckon the topics in
+    joined that may lack what was sent before. All operator's ends that are there reckon the topics in
     ``predicted`` where they are told how; ``operators`` are their numbers.
     """
 

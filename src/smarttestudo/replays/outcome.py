@@ -21,7 +21,7 @@ class TopicOutcome:
     """Flow of one relayed topic in, and out on ``output_topic``.
 
     ``messages_out`` includes ``repeated``. ``source_hz`` and ``mean_hz`` are (n − 1) / (last − first) of what
-    arrived in and went out. ``target_hz`` is weighted by time, with Full as the source's rate;
+    came in and went out. ``target_hz`` is weighted by time, with Full as the source's rate;
     ``error_percent`` is how far ``mean_hz`` lies above the lesser of target and ``source_hz``, likewise
     weighted, so it says little where the source's rate varies; it is ``None`` where bounds decide what
     passes. Where messages name streams, such as child frames, ``frames`` counts them, the target is that of
