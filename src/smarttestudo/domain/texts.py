@@ -31,10 +31,10 @@ def visible(text: str) -> str:
     """
     if text.isprintable():
         return text
-    return "".join(character if _has_a_place(character) else _escape(character) for character in text)
+    return "".join(character if is_shown(character) else _escape(character) for character in text)
 
 
-def _has_a_place(character: str) -> bool:
+def is_shown(character: str) -> bool:
     """Whether ``character`` is seen or is a space, of which ``isprintable`` knows but one."""
     return character.isprintable() or category(character) == "Zs"
 

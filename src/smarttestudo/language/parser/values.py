@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 import re
-import unicodedata
 from collections.abc import Sequence
 from decimal import Decimal
 from types import MappingProxyType
@@ -15,6 +14,7 @@ from typing import NamedTuple, NoReturn
 from smarttestudo.domain.finding import Fix, Span
 from smarttestudo.domain.names import MAX_NAME_LENGTH, is_topic_name
 from smarttestudo.domain.rate import MAX_RATE_HZ, Tier
+from smarttestudo.domain.texts import is_shown
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor, closest, did_you_mean, hint_on
 from smarttestudo.language.parser.lexer import Token, TokenKind
@@ -124,14 +124,10 @@ def _plain_name(cursor: Cursor, token: Token, if_empty: str) -> str:
     name = _ESCAPE.sub(r"\1", text)
     if not name.strip():
         cursor.report("invalid-name", "the name is empty", hint=if_empty)
-    elif not all(_can_be_shown(character) for character in name):
+    elif not all(map(is_shown, name)):
         cursor.report("invalid-name", "the name holds a tab or a character that cannot be seen")
     cursor.advance()
     return name
-
-
-def _can_be_shown(character: str) -> bool:
-    return character.isprintable() or unicodedata.category(character) == "Zs"
 
 
 def _bare_name(cursor: Cursor, expected: str) -> str:
