@@ -79,14 +79,14 @@ assert "smarttestudo.api" not in sys.modules
 def test_a_missing_package_is_told_with_its_remedy() -> None:
     code = """
 import sys
-sys.modules["apsw"] = None
+sys.modules["rosbags"] = None
 try:
     from smarttestudo import replay
 except Exception as error:
     print(type(error).__name__, error)
 """
     assert run(code).stdout == (
-        "MissingPackageError error: smarttestudo.replay needs the package apsw; "
+        "MissingPackageError error: smarttestudo.replay needs the package rosbags; "
         f"{how_to_install(Extra.STUDIO)}\n"
     )
 
