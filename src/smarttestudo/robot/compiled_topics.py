@@ -78,7 +78,7 @@ class CompiledTopics:
 
     def deliver(self, steady_ns: int) -> None:
         """Have the topics receive the copies that were made by ``steady_ns``."""
-        if self._relays is not None and self.makes_copies:
+        if self._relays is not None:
             self._relays.deliver(steady_ns)
 
     def count(self) -> None:

@@ -296,7 +296,8 @@ class LiveRun:
         if self._clock.agrees(now_ns) and not (self._compiled.makes_copies or self._jumps):
             return now_ns
         now = self._clock.read()
-        self._compiled.deliver(now.steady_ns)
+        if self._compiled.makes_copies:
+            self._compiled.deliver(now.steady_ns)
         now_ns = self._follow_clock(now)
         if not self._jumps:
             return now_ns
