@@ -178,7 +178,7 @@ def _planned(topic: TopicStatus) -> PlannedRate:
 
 
 def _state_lines(topic: TopicStatus, status: RuntimeStatus) -> Iterator[str]:
-    """What a reader should know beside the rate."""
+    """Notes beside the rate."""
     health = topic_health(topic)
     if health.level is not DiagnosticLevel.OK or topic.silence is not None:
         yield health.message

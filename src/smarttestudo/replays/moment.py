@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What decided a topic's rate at one moment of a run or of a recording."""
+"""The reason of a topic's rate at one moment of a run or of a recording."""
 
 from __future__ import annotations
 
