@@ -151,7 +151,7 @@ benchmarks: $(VENV)/full.stamp $(PAGE)
 	done; if [ -n "$$failed" ]; then echo "Failed:$$failed" >&2; exit 1; fi
 
 clean:
-	rm -rf $(VENV) src/smarttestudo/ruler/server/static src/smarttestudo/ruler/server/documentation gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
+	rm -rf $(VENV) src/smarttestudo/ruler/server/static src/smarttestudo/ruler/server/documentation src/smarttestudo/ruler/server/documentation.new gui/node_modules tests/link/foxglove/client/node_modules build install log dist htmlcov .coverage .coverage.* demo-out .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache
 	rm -rf src/smarttestudo.egg-info src/smarttestudo/robot/ros/rcl/relay.so
 	find src tests workspace_tests benchmarks scripts launch -name __pycache__ -prune -exec rm -rf {} +
 

@@ -37,13 +37,13 @@ REPLAY = ("replay", "sq", "--rules", "a.adirf", "--output", "new")
 # Ends, by the signal in its arguments, a replay that has begun to write.
 SIGNALLED = """
 import os, sys
-from smarttestudo.bags.writer import RosbagWriter
+from smarttestudo.bags.sqlite.writer import SqliteWriter
 from smarttestudo.cli.main import main
-write = RosbagWriter.write
+write = SqliteWriter.write
 def write_and_signal(*arguments):
     write(*arguments)
     os.kill(os.getpid(), int(sys.argv[1]))
-RosbagWriter.write = write_and_signal
+SqliteWriter.write = write_and_signal
 sys.exit(main(sys.argv[2:]))
 """
 # What it is asked to import first is where Ctrl-C comes.

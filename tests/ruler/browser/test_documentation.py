@@ -51,7 +51,7 @@ def test_its_search_finds_pages_and_all_of_it_comes_from_this_server(ruler: Rule
     tab.reload()
     search = tab.get_by_role("textbox", name="Search")
     search.click()
-    search.fill("dead reckoning")
+    search.press_sequentially("dead reckoning")
     found = tab.locator(".md-search-result__list > li").first
     expect(found).to_contain_text("Dead reckoning")
     found.get_by_role("link").first.click()

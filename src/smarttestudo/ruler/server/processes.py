@@ -75,19 +75,17 @@ class _JobProcesses:
             await self._expired
 
     async def _done(self, asked: msgspec.Struct, report: Report, limit: Limit) -> bytes:
-        process = await self._taken()
+        process = await self._asked(msgspec.json.encode(asked))
         try:
-            return await self._followed(process, asked, report, limit)
+            return await self._followed(process, report, limit)
         finally:
             if self._ready is not None and self._expiry is None:
                 self._expiry = asyncio.get_running_loop().call_later(self._idle_s, self._expire)
             await _ended(process)
 
-    async def _followed(self, process: Process, asked: msgspec.Struct, report: Report, limit: Limit) -> bytes:
-        if process.stdin is None or process.stdout is None:
+    async def _followed(self, process: Process, report: Report, limit: Limit) -> bytes:
+        if process.stdout is None:
             raise TestudoError("the work has no pipes")
-        process.stdin.write(msgspec.json.encode(asked))
-        process.stdin.write_eof()
         if self._job.repeats:
             self._ready = await self._started()
         async for line in process.stdout:
@@ -100,13 +98,16 @@ class _JobProcesses:
                     raise FailedError(failed)
         raise TestudoError(limit.broken.cause, remedy=limit.broken.remedy)
 
-    async def _taken(self) -> Process:
-        """A process that waits for its request, the one that is ready where that is still there."""
+    async def _asked(self, request: bytes) -> Process:
+        """A process that has its request, the one that is ready where that is still there."""
         process = self._pop()
-        if process is not None and _is_lost(process):
+        if process is not None and _has_taken(process, request):
+            return process
+        if process is not None:
             await _ended(process)
-            process = None
-        return process or await self._started()
+        process = await self._started()
+        _has_taken(process, request)
+        return process
 
     async def _started(self) -> Process:
         return await asyncio.create_subprocess_exec(
@@ -132,10 +133,16 @@ class _JobProcesses:
         return process
 
 
-def _is_lost(process: Process) -> bool:
-    """Whether a process has ended that waits for its request."""
-    # Its end is told later than the end of its output, by a thread of its own.
-    return process.returncode is not None or process.stdout is None or process.stdout.at_eof()
+def _has_taken(process: Process, request: bytes) -> bool:
+    """Give ``process`` its request; whether there was still a process to take it."""
+    if process.stdin is None:
+        return False
+    # That it has ended may be reported later; the pipe knows it at once.
+    process.stdin.write(request)
+    if process.stdin.is_closing():
+        return False
+    process.stdin.write_eof()
+    return True
 
 
 async def _ended(process: Process) -> None:
