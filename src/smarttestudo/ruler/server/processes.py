@@ -7,6 +7,7 @@ from __future__ import annotations
 import asyncio
 import sys
 from asyncio.subprocess import DEVNULL, PIPE, Process
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,10 @@ from smarttestudo.ruler.job import Job, Limit, Report, RequestError
 _MAX_LINE_BYTES = 50_000_000
 _IDLE_S = 60.0
 _TIMED_OUT = 504
+
+
+class _SilentError(TestudoError):
+    """A process ended without a word."""
 
 
 class Processes:
@@ -75,20 +80,31 @@ class _JobProcesses:
             await self._expired
 
     async def _done(self, asked: msgspec.Struct, report: Report, limit: Limit) -> bytes:
-        process = await self._asked(msgspec.json.encode(asked))
+        ready = self._pop()
+        if ready is not None:
+            # It may have ended since, which is known only once it says nothing.
+            with suppress(_SilentError):
+                return await self._done_by(ready, asked, report, limit)
+        return await self._done_by(await self._started(), asked, report, limit)
+
+    async def _done_by(self, process: Process, asked: msgspec.Struct, report: Report, limit: Limit) -> bytes:
         try:
-            return await self._followed(process, report, limit)
+            return await self._followed(process, asked, report, limit)
         finally:
             if self._ready is not None and self._expiry is None:
                 self._expiry = asyncio.get_running_loop().call_later(self._idle_s, self._expire)
             await _ended(process)
 
-    async def _followed(self, process: Process, report: Report, limit: Limit) -> bytes:
-        if process.stdout is None:
+    async def _followed(self, process: Process, asked: msgspec.Struct, report: Report, limit: Limit) -> bytes:
+        if process.stdin is None or process.stdout is None:
             raise TestudoError("the work has no pipes")
-        if self._job.repeats:
+        process.stdin.write(msgspec.json.encode(asked))
+        process.stdin.write_eof()
+        if self._job.repeats and self._ready is None:
             self._ready = await self._started()
+        ended: type[TestudoError] = _SilentError
         async for line in process.stdout:
+            ended = TestudoError
             match msgspec.json.decode(line, type=Said):
                 case Share(share=share):
                     report(share)
@@ -96,18 +112,7 @@ class _JobProcesses:
                     return bytes(result)
                 case Failed() as failed:
                     raise FailedError(failed)
-        raise TestudoError(limit.broken.cause, remedy=limit.broken.remedy)
-
-    async def _asked(self, request: bytes) -> Process:
-        """A process that has its request, the one that is ready where that is still there."""
-        process = self._pop()
-        if process is not None and _has_taken(process, request):
-            return process
-        if process is not None:
-            await _ended(process)
-        process = await self._started()
-        _has_taken(process, request)
-        return process
+        raise ended(limit.broken.cause, remedy=limit.broken.remedy)
 
     async def _started(self) -> Process:
         return await asyncio.create_subprocess_exec(
@@ -131,18 +136,6 @@ class _JobProcesses:
             self._expiry.cancel()
         process, self._ready, self._expiry = self._ready, None, None
         return process
-
-
-def _has_taken(process: Process, request: bytes) -> bool:
-    """Give ``process`` its request; whether there was still a process to take it."""
-    if process.stdin is None:
-        return False
-    # That it has ended may be reported later; the pipe knows it at once.
-    process.stdin.write(request)
-    if process.stdin.is_closing():
-        return False
-    process.stdin.write_eof()
-    return True
 
 
 async def _ended(process: Process) -> None:
