@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import datetime
 import math
+import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -222,8 +223,8 @@ _When = Callable[[int, int, int], int]
 
 def _moment(text: str) -> _When:
     """A moment from the command line; ``ArgumentTypeError`` for anything else."""
-    # Python 3.10 reads no Z.
-    written = text.strip().replace("Z", "+00:00")
+    # Python 3.10 reads no Z, and fractions of three or six digits only.
+    written = re.sub(r"\.(\d{1,6})\d*", lambda found: f".{found[1]:0<6}", text.strip().replace("Z", "+00:00"))
     for read in (_seconds, _clock_time, _date_and_time):
         with suppress(ValueError):
             return read(written)
