@@ -1,0 +1,92 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""The topics of a replay: what rules decode of a recording, what is relayed of it, and what it lacks."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import output_name
+from smarttestudo.domain.recording import Channel, first_of_topics
+from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
+from smarttestudo.language.rule_set import RuleSet
+
+_INDEX = re.compile(r"\[[^\]]*\]")
+
+
+def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: RosbagDecoder) -> None:
+    """Raise ``RecordingError`` for a topic that a check reads and that cannot be decoded."""
+    read = _topics_decoded(rule_set)
+    reasons = [(one, decoder.why_undecodable(one)) for one in channels if one.topic in read]
+    decodable = {(one.topic, one.type_name) for one, why in reasons if why is None}
+    first = first_of_topics(channels)
+    for channel, why in reasons:
+        key = (channel.topic, channel.type_name)
+        if why is not None and key not in decodable and channel.type_name == first[channel.topic].type_name:
+            cause = f"a check reads it, and it cannot be decoded: {why}"
+            raise RecordingError(cause, place=channel.topic, remedy="leave out the check")
+
+
+def _topics_decoded(rule_set: RuleSet) -> frozenset[str]:
+    """Topics of which checks read more than arrivals."""
+    return frozenset(
+        signal.topic for signal in rule_set.signals if ArrivalProperty.named(signal.property) is None
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReplayTopics:
+    """By source: the channel of each recorded topic, what relayed ones are called, where they are written.
+
+    ``unread`` are the signals of fields that nobody can read, ``redefined`` the sources whose types are not
+    those of ROS 2.
+    """
+
+    sources: Mapping[str, Channel]
+    output_topics: Mapping[str, str]
+    outputs: Mapping[str, Channel]
+    unread: Collection[Signal]
+    redefined: Collection[str]
+
+
+def replay_topics(
+    channels: Sequence[Channel], rule_set: RuleSet, decoder: RosbagDecoder, output_topic: str
+) -> ReplayTopics:
+    """The topics of a replay.
+
+    Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
+    """
+    sources = first_of_topics(channels)
+    names = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
+    outputs = {
+        topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
+    }
+    unread = {
+        signal
+        for signal in rule_set.signals
+        if signal.topic in sources and _field(signal) in decoder.unread(sources[signal.topic])
+    }
+    redefined = {topic for topic, channel in sources.items() if not decoder.is_standard(channel)}
+    return ReplayTopics(
+        sources=sources, output_topics=names, outputs=outputs, unread=unread, redefined=redefined
+    )
+
+
+def _field(signal: Signal) -> str:
+    return _INDEX.sub("", signal.property.removeprefix(MESSAGE_PREFIX))
+
+
+def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:
+    """A notice for each topic of the rules that the recording does not hold."""
+    relayed = rule_set.relayed
+    for topic in relayed:
+        if topic not in recorded:
+            yield f"{topic}: not in the recording, so nothing of it is relayed"
+    watched = {signal.topic for signal in rule_set.signals}
+    for topic in sorted(watched.difference(recorded, relayed)):
+        yield f"{topic}: not in the recording, so checks of it stay unknown"
