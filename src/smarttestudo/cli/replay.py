@@ -270,13 +270,21 @@ def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list
             raise UsageError(cause, place=f"--{option}", remedy="leave it out")
     decisions: list[Decision] = []
     with ExitStack() as opened:
-        sinks: list[Callable[[Sequence[Decision]], None]] = [decisions.extend]
+        sinks = _kept_in(decisions, arguments)
         if arguments.decisions is not None:
             sinks.append(opened.enter_context(decision_log(arguments.decisions)))
         return replay_inputs(arguments.bag, partial(_give, sinks)), decisions
 
 
-def _give(sinks: Sequence[Callable[[Sequence[Decision]], None]], decided: Sequence[Decision]) -> None:
+_Decided = Callable[[Sequence[Decision]], None]
+
+
+def _kept_in(decisions: list[Decision], arguments: argparse.Namespace) -> list[_Decided]:
+    """Keep decisions where a report or a comparison needs them: a long recording may have a million."""
+    return [decisions.extend] if arguments.report is not None or arguments.expect is not None else []
+
+
+def _give(sinks: Sequence[_Decided], decided: Sequence[Decision]) -> None:
     for sink in sinks:
         sink(decided)
 
@@ -292,7 +300,7 @@ def _replay(
 
     decisions: list[Decision] = []
     with ExitStack() as opened:
-        sinks: list[Callable[[Sequence[Decision]], None]] = [decisions.extend]
+        sinks = _kept_in(decisions, arguments)
         if arguments.report is not None:
             write_report = opened.enter_context(whole_file(arguments.report, "the report"))
         # A report that cannot be made costs neither the recording nor the decisions.
