@@ -8,7 +8,7 @@ import argparse
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
@@ -130,21 +130,22 @@ def add_any_robot(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def open_robots(arguments: argparse.Namespace, node: str) -> AbstractContextManager[RemoteRobots]:
+    """The robots at ``--connect``, else those of the graph, where ours is ``node``. Raises ``RosError``."""
+    from smarttestudo.link.zenoh import open_link_robots  # noqa: PLC0415  one of both is not needed
+    from smarttestudo.robot.ros import open_graph_robots  # noqa: PLC0415
+
+    options = connect_options(arguments)
+    return open_graph_robots(node) if options is None else open_link_robots(options, warn)
+
+
 @contextmanager
 def open_chosen_robot(arguments: argparse.Namespace, node: str) -> Iterator[ChosenRobot]:
     """The robot of ``--robot`` at ``--connect``, else on the graph, once it was heard; ours is ``node``.
 
     Raises ``UsageError`` where several could be meant, ``RosError`` where none is heard in ``--timeout``.
     """
-    from smarttestudo.link.zenoh import open_link_robots  # noqa: PLC0415  one of both is not needed
-    from smarttestudo.robot.ros import open_graph_robots  # noqa: PLC0415
-
-    options = connect_options(arguments)
-    with ExitStack() as opened:
-        stopped = opened.enter_context(stop_signals())
-        robots: RemoteRobots = opened.enter_context(
-            open_graph_robots(node) if options is None else open_link_robots(options, warn)
-        )
+    with stop_signals() as stopped, open_robots(arguments, node) as robots:
         wait_for_all(robots, stopped, arguments.timeout)
         yield ChosenRobot(robots, _chosen(robots, arguments.robot_name), stopped)
 

@@ -9,13 +9,12 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
 
 from smarttestudo.cli.arguments import add_timeout
 from smarttestudo.cli.commands import CommandParser
-from smarttestudo.cli.link_options import add_connect, connect_options, warn
+from smarttestudo.cli.link_options import add_connect, warn
 from smarttestudo.cli.output import write_lines
-from smarttestudo.cli.robots import wait_for_all
+from smarttestudo.cli.robots import open_robots, wait_for_all
 from smarttestudo.cli.terminal import key_presses, stop_signals
 from smarttestudo.cli.top_table import (
     Line,
@@ -31,8 +30,6 @@ from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.remote_robots import RemoteRobots
 from smarttestudo.domain.units import grouped
-from smarttestudo.link.zenoh import open_link_robots
-from smarttestudo.robot.ros import open_graph_robots
 
 _SHOW_PERIOD_S = 1.0
 _WAIT_S = 0.1
@@ -61,12 +58,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Show until a key or a signal comes, or once."""
     if arguments.json and not arguments.once:
         raise UsageError("--json goes with --once only", place="--json", remedy="add --once")
-    with ExitStack() as opened:
-        stopped = opened.enter_context(stop_signals())
-        options = connect_options(arguments)
-        robots: RemoteRobots = opened.enter_context(
-            open_graph_robots("testudo_top") if options is None else open_link_robots(options, warn)
-        )
+    with stop_signals() as stopped, open_robots(arguments, "testudo_top") as robots:
         if arguments.once:
             wait_for_all(robots, stopped, arguments.timeout)
             print_once(robots, arguments)
