@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -63,8 +64,8 @@ def metadata_text(
     custom_data: Mapping[str, str] | None = None,
 ) -> str:
     """The metadata of a bag with ``files`` by name, in their order, and all its ``channels``."""
-    lines = information(files, channels, storage=storage, custom_data=custom_data).splitlines()
-    return "\n".join(("rosbag2_bagfile_information:", *(f"  {line}" for line in lines))) + "\n"
+    text = information(files, channels, storage=storage, custom_data=custom_data)
+    return f"rosbag2_bagfile_information:\n{textwrap.indent(text, '  ')}\n"
 
 
 def information(

@@ -48,31 +48,24 @@ class SqliteWriter:
         self._channels: dict[StoredChannel, int] = {}
         self._schemas: set[Schema] = set()
         self._messages, self._payload_bytes = Counter[int](), Counter[int]()
-        self._stamps_ns: list[int] = []
+        self._stamps_ns: tuple[int, int, int] | None = None
+        """The least, the greatest and the last one."""
         self._rows: list[tuple[int, int, bytes]] = []
         self._rows_bytes = 0
 
     def add(self, channel: StoredChannel) -> int:
         """Have the channel listed though no message of it follows; its number."""
-        number = self._channels.setdefault(channel, len(self._channels) + 1)
-        if number not in self._messages:
-            self._messages[number] = 0
-            row = (channel.topic, channel.type_name, channel.serialization_format, channel.qos_text)
-            self._database.execute(
-                "INSERT INTO topics VALUES (?, ?, ?, ?, ?, ?)", (number, *row, channel.digest)
-            )
-            self._define(channel)
-        return number
+        return self._channels.get(channel) or self._add(channel)
 
     def write(self, channel: StoredChannel, stamp_ns: int, payload: bytes) -> None:
         """Append a message; ``OverflowError`` for a stamp that the file cannot hold."""
         if not -_STAMPS <= stamp_ns < _STAMPS:
             raise OverflowError("SQLite holds 64 bits")
-        number = self._channels.get(channel) or self.add(channel)
+        number = self.add(channel)
         self._messages[number] += 1
         self._payload_bytes[number] += len(payload)
         first_ns, last_ns, _ = self._stamps_ns or (stamp_ns, stamp_ns, stamp_ns)
-        self._stamps_ns = [min(first_ns, stamp_ns), max(last_ns, stamp_ns), stamp_ns]
+        self._stamps_ns = min(first_ns, stamp_ns), max(last_ns, stamp_ns), stamp_ns
         # SQLite takes many rows in a fraction of the time; a view may be of memory that is used again.
         self._rows.append((number, stamp_ns, bytes(payload)))
         self._rows_bytes += len(payload)
@@ -102,6 +95,13 @@ class SqliteWriter:
     def abandon(self) -> None:
         """Leave the file as it is."""
         self._database.close()
+
+    def _add(self, channel: StoredChannel) -> int:
+        number = self._channels[channel] = len(self._channels) + 1
+        row = (channel.topic, channel.type_name, channel.serialization_format, channel.qos_text)
+        self._database.execute("INSERT INTO topics VALUES (?, ?, ?, ?, ?, ?)", (number, *row, channel.digest))
+        self._define(channel)
+        return number
 
     def _define(self, channel: StoredChannel) -> None:
         name, encoding, definition = channel.schema
