@@ -7,12 +7,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from functools import cache
+from typing import cast
 
 from hypothesis import strategies as st
 
 from language.evaluator.naive_rules import naive_truth
 from smarttestudo.checks.rule_model import RuleModel
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import Condition, Operator
 
@@ -87,11 +88,11 @@ def all_states() -> Iterator[State]:
         yield dict(zip(VALUES, values, strict=True))
 
 
-def completions(part: Mapping[Signal, float]) -> Iterator[State]:
+def completions(part: Mapping[Signal, Value]) -> Iterator[State]:
     """``part`` with every combination of values for the other signals."""
     open_values = {signal: values for signal, values in VALUES.items() if signal not in part}
     for values in itertools.product(*open_values.values()):
-        yield {**part, **dict(zip(open_values, values, strict=True))}
+        yield {**cast("State", part), **dict(zip(open_values, values, strict=True))}
 
 
 def decider(model: RuleModel, topic: str, state: Mapping[Signal, float]) -> Branch | None:

@@ -22,6 +22,8 @@ from smarttestudo.language.syntax import (
     Or,
     RateWord,
     SetFrequency,
+)
+from smarttestudo.language.syntax_walks import (
     sets_in,
 )
 

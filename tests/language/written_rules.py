@@ -23,11 +23,13 @@ from smarttestudo.language.syntax import (
     Condition,
     DurationUnit,
     Group,
+    KeepAtLeast,
     KeepWithin,
     Not,
     Or,
     RecordIncident,
     RuleFile,
+    SetFrequency,
     Statement,
     Timed,
 )
@@ -95,7 +97,7 @@ class _Speller:
             yield from _owned([topic.text for topic in statement.topics], owner)
             for keyword, duration in (("Before", statement.before), ("After", statement.after)):
                 yield from _owned([keyword, duration.text, duration.unit.value], owner)
-        else:
+        elif isinstance(statement, SetFrequency | KeepAtLeast):
             keyword = type(statement).__name__
             unit = ["Hz"] if statement.rate.has_unit else []
             value = statement.rate.value

@@ -16,7 +16,13 @@ from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.language.syntax import Block, RuleFile, checks_in
+from smarttestudo.language.syntax import (
+    Block,
+    RuleFile,
+)
+from smarttestudo.language.syntax_walks import (
+    checks_in,
+)
 from smarttestudo.loop.block_states import BlockStates
 
 TRUTHS = {None: Truth.UNKNOWN, False: Truth.FALSE, True: Truth.TRUE}

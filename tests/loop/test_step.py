@@ -129,7 +129,7 @@ class BothLoops:
             topic=decision.topic,
             before=before,
             after=naive(decision.planned, places[decision.topic]),
-            values=dict(decision.values),
+            values={name: value for name, value in decision.values.items() if not isinstance(value, str)},
         )
 
     def wait(self, gap_ns: int, probe: float) -> int:

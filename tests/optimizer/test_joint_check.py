@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from typing import cast
 
 import pytest
 from hypothesis import given, settings
@@ -137,7 +138,7 @@ def test_the_breaking_situations_are_those_that_brute_force_finds(text: str, bud
     assert len(found) == len(result.breaking)
     assert result.worst.kb_per_s == pytest.approx(max(naive_load(rule_set, one) for one in possible))
     for situation in result.breaking:
-        holding = holding_in(rule_set, dict(situation.state))
+        holding = holding_in(rule_set, cast("dict[Signal, float]", situation.state))
         assert holding == {block.order for block in situation.blocks}
         assert situation.kb_per_s == pytest.approx(naive_load(rule_set, holding))
 

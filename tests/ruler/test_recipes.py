@@ -86,7 +86,7 @@ def test_a_recipe_changes_rates_when_it_says_so(name: str, steps: list[tuple[Val
     evaluator = evaluator_of(name)
     for values, rates in steps:
         for signal, value in values.items():
-            evaluator.set(Signal(*signal.split()), value)
+            evaluator.set(Signal.named(signal), value)
         assert {topic: evaluator.request(topic).rate.hz for topic in rates} == rates
 
 

@@ -24,6 +24,7 @@ from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSampl
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.normal_form import reads
+from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet
 
@@ -172,11 +173,12 @@ def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
     found: dict[tuple[Signal, frozenset[Region]], Threshold] = {}
     for block in rule_set.blocks:
         for within in reads(block.form):
-            if within.region.comparison is not None and ArrivalProperty.named(within.signal.property) is None:
-                sides = frozenset({within.region, within.region.complement()})
-                found.setdefault(
-                    (within.signal, sides), Threshold(signal=within.signal, region=within.region)
-                )
+            region = within.region
+            if not isinstance(region, Region) or ANY in within.signal.property:
+                continue
+            if region.comparison is not None and ArrivalProperty.named(within.signal.property) is None:
+                sides = frozenset({region, region.complement()})
+                found.setdefault((within.signal, sides), Threshold(signal=within.signal, region=region))
     return tuple(sorted(found.values(), key=lambda one: (one.signal, one.region.cuts)))
 
 

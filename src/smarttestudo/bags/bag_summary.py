@@ -12,6 +12,7 @@ from smarttestudo.bags.statistics import Latency, RecordingSpan, TopicStatistics
 from smarttestudo.domain.incident import IncidentRecord
 from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.recording import Storage
+from smarttestudo.domain.signal import Value
 from smarttestudo.domain.units import utc_time
 
 
@@ -51,7 +52,7 @@ class RecordedMoment:
     rule: str
     time: str
     triggered_ns: int
-    values: Annotated[Mapping[str, float | None], JsonEntry(has_infinite=True)]
+    values: Annotated[Mapping[str, Value | None], JsonEntry(has_infinite=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.signal import Value
 from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ def _reason(record: IncidentRecord) -> str:
     return ", ".join((f"rule {record.rule}", *signal_texts(record.values), *more))
 
 
-def signal_texts(values: Mapping[str, float | None]) -> Iterator[str]:
+def signal_texts(values: Mapping[str, Value | None]) -> Iterator[str]:
     """Values that the condition read, a text each; former versions wrote infinite ones as unknown ones."""
     for signal, value in values.items():
         yield f"{signal} = {'unknown or infinite' if value is None else format(value, 'g')}"

@@ -65,7 +65,8 @@ def _areas(form: Form) -> Iterator[Rectangle]:
 def _bounds(form: Form, names: Sequence[str]) -> tuple[float, float] | None:
     """From where to where ``form`` lets the properties of ``names`` be; ``None`` where it says no stretch."""
     parts = form.parts if isinstance(form, Every) else (form,)
-    regions = [part.region for part in parts if isinstance(part, InRegion) and part.signal.property in names]
+    within = [part for part in parts if isinstance(part, InRegion) and part.signal.property in names]
+    regions = [part.region for part in within if isinstance(part.region, Region)]
     common = Region.intersection_of(regions)
     if not regions or len(common.pieces) != 1:
         return None

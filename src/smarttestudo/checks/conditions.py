@@ -16,7 +16,14 @@ from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.language.formatter import LineWriter, check_text, number_text, time_text, write_condition
+from smarttestudo.language.formatter import (
+    LineWriter,
+    check_text,
+    number_text,
+    time_text,
+    value_text,
+    write_condition,
+)
 from smarttestudo.language.normal_form import Every, InRegion, signal_of
 from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
@@ -28,11 +35,14 @@ from smarttestudo.language.syntax import (
     Operator,
     Or,
     Timed,
+)
+from smarttestudo.language.syntax_walks import (
     checks_in,
     conditions_in,
     records_in,
     times_in,
 )
+from smarttestudo.language.text_region import common
 
 _EQUALITY_HOLDS = {Operator.EQUAL: "hardly ever", Operator.NOT_EQUAL: "nearly always"}
 _ZERO_WHEN_SILENT = (ArrivalProperty.RATE, ArrivalProperty.BANDWIDTH)
@@ -82,7 +92,9 @@ def share_as_percent(rules: RuleModel) -> Iterator[Found]:
         is_share = check.signal.property in _SHARES and rules.context.type_of(topic) == _BATTERY
         is_percent = rules.context.topic(topic).level_unit is LevelUnit.PERCENT
         greatest = 1.0 if observed is None or observed.greatest is None else observed.greatest
-        if is_share and not is_percent and check.syntax.value > 1 and greatest <= 1:
+        value = check.syntax.value
+        is_above = isinstance(value, float) and value > 1
+        if is_share and not is_percent and is_above and greatest <= 1:
             is_seen = observed is not None and observed.greatest is not None
             seen = f", and at most {number_text(greatest)} in the recording" if is_seen else ""
             yield Found(
@@ -175,7 +187,7 @@ def _impossible_signals(block: ResolvedBlock, rules: RuleModel) -> str:
     names = [
         str(part.signal)
         for part in parts
-        if isinstance(part, InRegion) and part.region.intersection(rules.context.domain(part.signal)).is_empty
+        if isinstance(part, InRegion) and common(part.region, rules.context.domain(part.signal)).is_empty
     ]
     return wording.listed(names) if names else ""
 
@@ -251,9 +263,12 @@ def equals_measured(rules: RuleModel) -> Iterator[Found]:
 
 def _is_continuous(check: ResolvedCheck, rules: RuleModel) -> bool:
     """Whether a property is known to be measured, or the number has a fraction, as no state or count has."""
-    if check.syntax.value == 0 and ArrivalProperty.named(check.signal.property) in _ZERO_WHEN_SILENT:
+    value = check.syntax.value
+    if not isinstance(value, float):
         return False
-    return rules.context.is_measured(check.signal) or not check.syntax.value.is_integer()
+    if value == 0 and ArrivalProperty.named(check.signal.property) in _ZERO_WHEN_SILENT:
+        return False
+    return rules.context.is_measured(check.signal) or not value.is_integer()
 
 
 def _times(rules: RuleModel) -> Iterator[tuple[ResolvedBlock, Timed]]:
@@ -324,13 +339,13 @@ def until_overlaps(rules: RuleModel) -> Iterator[Found]:
     for check in rules.checks:
         if check.latch is None:
             continue
-        both = check.region.intersection(check.latch.off).intersection(rules.context.domain(check.signal))
+        both = common(common(check.region, check.latch.off), rules.context.domain(check.signal))
         if not both.is_empty:
             yield Found(
                 path=check.path,
                 span=check.syntax.span,
                 message=f"{check_text(check.syntax)} begins and ends at one value, for instance "
-                f"{number_text(both.sample())}: there it does not hold",
+                f"{value_text(both.sample())}: there it does not hold",
                 hint="let Until name a value on the other side, as in < 20 Until > 25",
             )
 
@@ -342,10 +357,7 @@ def until_never_ends(rules: RuleModel) -> Iterator[Found]:
     Once the check was true, its block holds until the rules are exchanged.
     """
     for check in rules.checks:
-        if (
-            check.latch is not None
-            and check.latch.off.intersection(rules.context.domain(check.signal)).is_empty
-        ):
+        if check.latch is not None and common(check.latch.off, rules.context.domain(check.signal)).is_empty:
             yield Found(
                 path=check.path,
                 span=check.syntax.span,

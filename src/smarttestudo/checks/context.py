@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
-from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
 from smarttestudo.language.normal_form import Resolve, derived_values, is_derived
 from smarttestudo.language.properties import PropertySpec, conventional_types, property_spec
 from smarttestudo.language.region import Region
+from smarttestudo.language.text_region import SetOfValues, TextRegion
 
 COMMAND_TYPES = frozenset({"geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"})
 """Types whose numbers are commanded, so that they can be exactly 0."""
@@ -72,9 +73,11 @@ class CheckContext:
         """The description of a property; ``None`` for a plain field."""
         return property_spec(self.type_of(signal.topic), signal.property)
 
-    def domain(self, signal: Signal) -> Region:
+    def domain(self, signal: Signal) -> SetOfValues:
         """The values that ``signal`` can have."""
-        return derived_values(signal) if is_derived(signal) else values_of(self.spec_of(signal))
+        if is_derived(signal):
+            return derived_values(signal)
+        return TextRegion.everything() if signal.kind is SignalKind.TEXT else values_of(self.spec_of(signal))
 
     def is_measured(self, signal: Signal) -> bool:
         """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""

@@ -16,7 +16,9 @@ from smarttestudo.checks.wording import new_default
 from smarttestudo.domain.finding import Fix, Severity
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.resolved_rules import ResolvedFloor, ResolvedRate
-from smarttestudo.language.syntax import bound_span
+from smarttestudo.language.syntax_walks import (
+    bound_span,
+)
 from smarttestudo.pacing.coded_video import may_be_coded_video
 from smarttestudo.pacing.sample import is_patch
 

@@ -14,7 +14,6 @@ from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.normal_form import Resolve, merged, negation, over_states
-from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
     ResolvedBlock,
@@ -29,15 +28,20 @@ from smarttestudo.language.resolved_rules import (
 from smarttestudo.language.syntax import (
     Action,
     Block,
+    KeepWithin,
     RecordIncident,
     RuleFile,
+    SetFrequency,
     Statement,
     TopicName,
+)
+from smarttestudo.language.syntax_walks import (
     bounds_in,
     checks_in,
     records_in,
     sets_in,
 )
+from smarttestudo.language.text_region import SetOfValues, common, is_part_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,12 +125,12 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
     )
 
 
-def check_truth(check: ResolvedCheck, values: Region) -> Truth:
+def check_truth(check: ResolvedCheck, values: SetOfValues) -> Truth:
     """Whether ``check`` holds for none (FALSE), all (TRUE) or some of ``values``, whatever was before."""
     region = check.region if check.latch is None else check.latch.on
-    if region.intersection(values).is_empty:
+    if common(region, values).is_empty:
         return Truth.FALSE
-    return Truth.TRUE if values.is_within(region) else Truth.UNKNOWN
+    return Truth.TRUE if is_part_of(values, region) else Truth.UNKNOWN
 
 
 def _over_states(branch: Branch, block: ResolvedBlock) -> Branch:
@@ -155,4 +159,7 @@ def _names_in(statement: Statement) -> Iterator[TopicName]:
     for side in (statement.then, statement.otherwise):
         by_kind: tuple[Action, ...] = (*sets_in(side), *bounds_in(side), *records_in(side))
         for action in side if statement.is_disabled else by_kind:
-            yield from action.topics if isinstance(action, RecordIncident) else (action.topic,)
+            if isinstance(action, RecordIncident):
+                yield from action.topics
+            elif isinstance(action, SetFrequency | KeepWithin):
+                yield action.topic

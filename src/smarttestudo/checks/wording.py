@@ -9,8 +9,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from smarttestudo.domain.finding import Fix, Span
-from smarttestudo.domain.signal import Signal
-from smarttestudo.language.formatter import number_text
+from smarttestudo.domain.signal import Signal, Value
+from smarttestudo.language.formatter import value_text
 from smarttestudo.language.normal_form import HELD, is_derived
 from smarttestudo.language.resolved_rules import Branch
 from smarttestudo.language.syntax import Block, Collection, RuleFile, TopicName
@@ -19,7 +19,7 @@ _LISTED = 5
 _SIGNALS_SHOWN = 8
 
 
-def state(values: Mapping[Signal, float]) -> str:
+def state(values: Mapping[Signal, Value]) -> str:
     """``/odom pose_x = 3, pose_y = 2, /battery_state level = 10``; empty for no or too many signals.
 
     What was before stands behind what is.
@@ -33,14 +33,14 @@ def state(values: Mapping[Signal, float]) -> str:
         if not is_derived(signal):
             name = signal.property if signal.topic == topic else str(signal)
             topic = signal.topic
-            parts.append(f"{name} = {number_text(value)}")
+            parts.append(f"{name} = {value_text(value)}")
     return ", ".join([*parts, *past])
 
 
-def _past(signal: Signal, value: float) -> str:
+def _past(signal: Signal, value: Value) -> str:
     """The value of a past: ``/odom speed < 1 for 5 s``."""
     if signal.property == HELD:
-        return f"{signal.topic} for {number_text(value)} s"
+        return f"{signal.topic} for {value_text(value)} s"
     return f"{signal.topic} {'holds' if value else 'has ended'}"
 
 

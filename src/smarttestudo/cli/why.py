@@ -26,10 +26,11 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import DiagnosticLevel
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import NS_PER_S, counted, ns_from_s, utc_time
 from smarttestudo.language.evaluator import ExplainedValue, RateBorder
+from smarttestudo.language.formatter import value_text
 from smarttestudo.language.normal_form import HELD, Resolve, is_derived, region_text
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RuleSet, compile_rules
@@ -327,7 +328,7 @@ def _table(rows: Sequence[_Row], now: str) -> Table[_Row]:
     return Table(
         columns=(
             Column("Value", "", lambda row: _name(row[0].signal), is_text=True),
-            Column(now, "", lambda row: _number(row[0].value), is_text=True),
+            Column(now, "", lambda row: _value(row[0].value), is_text=True),
             Column(
                 "Border",
                 "",
@@ -342,6 +343,10 @@ def _table(rows: Sequence[_Row], now: str) -> Table[_Row]:
 
 def _name(signal: Signal) -> str:
     return f"seconds of {signal.topic}" if _is_held(signal) else str(signal)
+
+
+def _value(value: Value | None) -> str:
+    return value_text(value) if isinstance(value, str) else _number(value)
 
 
 def _number(value: float | None) -> str:
@@ -369,6 +374,6 @@ def _value_json(one: ExplainedValue, reason: RateReason) -> dict[str, object]:
         }
         for border in one.borders
     ]
-    is_infinite = one.value is not None and math.isinf(one.value)
+    is_infinite = isinstance(one.value, float) and math.isinf(one.value)
     value = {"value": None, "infinite": str(one.value)} if is_infinite else {"value": one.value}
     return {"signal": _name(one.signal), **value, "borders": borders}

@@ -11,6 +11,7 @@ from typing import Annotated
 
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import Decimals, JsonEntry, derived, entries_of, from_json
+from smarttestudo.domain.signal import Value
 
 
 class Reason(Enum):
@@ -73,7 +74,7 @@ class Decision:
     topic: str
     from_rate: Annotated[Rate | None, JsonEntry(name="from_hz")]
     planned: Annotated[PlannedRate, JsonEntry(is_merged=True)]
-    values: Annotated[Mapping[str, float | None], JsonEntry(has_infinite=True)]
+    values: Annotated[Mapping[str, Value | None], JsonEntry(has_infinite=True)]
     is_end: Annotated[bool, JsonEntry(name="end", omits_default=True)] = False
     from_within: Mapping[str, float] = field(default_factory=dict)
 

@@ -19,6 +19,7 @@ from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.metric import Metered, MetricKind
 from smarttestudo.domain.record import AtMost, JsonEntry, derived, from_json, to_json
+from smarttestudo.domain.signal import Value
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_MS, utc_time
 
 DEFAULT_INCIDENT_MEMORY_MB = 256
@@ -100,7 +101,7 @@ class FurtherMoment:
     """A moment after the first at which the rule began to hold, and what its condition read."""
 
     triggered_ns: _Whole
-    values: Annotated[Mapping[str, _Finite | None], JsonEntry(has_infinite=True)]
+    values: Annotated[Mapping[str, _Finite | str | None], JsonEntry(has_infinite=True)]
 
     @property
     @derived()
@@ -126,7 +127,7 @@ class IncidentRecord:
     triggered_ns: _Whole
     from_ns: _Whole
     to_ns: _Whole
-    values: Annotated[Mapping[str, _Finite | None], JsonEntry(has_infinite=True)]
+    values: Annotated[Mapping[str, _Finite | str | None], JsonEntry(has_infinite=True)]
     rules_sha256: str
     topics: Mapping[str, IncidentTopic]
     latched: tuple[LatchedSample, ...] = ()
@@ -134,7 +135,7 @@ class IncidentRecord:
     moments: Annotated[_Whole, JsonEntry(omits_default=True)] = 1
     further_moments: Annotated[tuple[FurtherMoment, ...], JsonEntry(omits_default=True)] = ()
 
-    def extended(self, triggered_ns: int, values: Mapping[str, float | None], to_ns: int) -> IncidentRecord:
+    def extended(self, triggered_ns: int, values: Mapping[str, Value | None], to_ns: int) -> IncidentRecord:
         """The record of an incident with one moment more, whose window is open until ``to_ns``."""
         further = self.further_moments
         listed = sum(len(moment.values) for moment in further) + len(values)

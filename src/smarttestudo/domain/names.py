@@ -34,6 +34,22 @@ def has_topic_form(name: str) -> bool:
     return "__" not in name and _TOPIC.match(name) is not None
 
 
+_PATTERN_STAR = re.compile(r"(?:(?<=/)|\A)\*{1,2}(?=/|\Z)")
+MACHINE, LINK = "@machine", "@link"
+SOURCES = (MACHINE, LINK)
+"""Beside topics, checks read the machine that a run is on, and its link."""
+
+
+def is_source(name: str) -> bool:
+    """Whether ``name`` is that of the machine or the link, in place of a topic."""
+    return name in SOURCES
+
+
+def is_topic_pattern(name: str) -> bool:
+    """Whether ``name`` stands for topics of a kind: ``*`` is one name in it, ``**`` any number of them."""
+    return "*" in name and is_topic_name(_PATTERN_STAR.sub("x", name))
+
+
 def is_known_to_ros(name: str) -> bool:
     """Whether ROS 2 answers questions about ``name``: DDS has topics that it lists and then refuses."""
     return len(name) <= MAX_NAME_LENGTH and _TOPIC.match(name) is not None

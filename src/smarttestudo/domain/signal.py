@@ -4,22 +4,57 @@
 
 from __future__ import annotations
 
-from enum import Enum
+from enum import Enum, IntEnum
 from typing import NamedTuple
+
+
+class SignalKind(IntEnum):
+    """How a property is read, by what it is compared with."""
+
+    NUMBER = 0
+    """As a number, which turns stale."""
+    STATE = 1
+    """As a number that stands for a word: true, false or a constant. It lasts while there is a publisher."""
+    TEXT = 2
+    """As a text, which lasts likewise."""
+    UNRESOLVED = 3
+    """Compared with a constant that no known type has: always unknown."""
 
 
 class Signal(NamedTuple):
     """One property of one topic, for instance ``/odom pose_x``; ``topic`` is the full resolved name.
 
-    A tuple, because signals are looked up for every message that checks read.
+    A property that is compared with numbers and with texts is two signals. A tuple, because signals are
+    looked up for every message that checks read.
     """
 
     topic: str
     property: str
+    kind: SignalKind = SignalKind.NUMBER
+
+    @staticmethod
+    def named(name: str) -> Signal:
+        """The signal of that name, as of one that is read as a number."""
+        topic, _, name = name.partition(" ")
+        return Signal(topic, name)
 
     def __str__(self) -> str:
         """The signal's name in decisions."""
         return f"{self.topic} {self.property}"
+
+
+Value = float | str
+"""A signal's value at an instant."""
+
+Values = Value | tuple[Value, ...]
+"""That of a signal with ``[*]`` is the values of all elements."""
+
+
+def shown_value(values: Values | None) -> Value | None:
+    """The value that people see: of several the first."""
+    if isinstance(values, tuple):
+        return values[0] if values else None
+    return values
 
 
 class ArrivalProperty(Enum):

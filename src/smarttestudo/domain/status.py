@@ -51,7 +51,7 @@ class CheckStatus:
     line: int
     column: int
     state: Truth
-    value: Annotated[Annotated[float, Significant(6)] | None, JsonEntry(is_lenient=True)]
+    value: Annotated[Annotated[float, Significant(6)] | str | None, JsonEntry(is_lenient=True)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

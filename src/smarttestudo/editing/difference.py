@@ -19,6 +19,8 @@ from smarttestudo.language.syntax import (
     KeepWithin,
     RateExpression,
     SetFrequency,
+)
+from smarttestudo.language.syntax_walks import (
     bounds_in,
     records_in,
     sets_in,

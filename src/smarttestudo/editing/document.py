@@ -19,6 +19,7 @@ from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
+    CallService,
     Check,
     Collection,
     Comment,
@@ -26,10 +27,13 @@ from smarttestudo.language.syntax import (
     Group,
     KeepAtLeast,
     KeepWithin,
+    Margin,
     Not,
+    Notify,
     Or,
     RecordIncident,
     SetFrequency,
+    SetParameter,
     Statement,
     Timed,
 )
@@ -253,7 +257,20 @@ def meaning(statement: Statement | Action) -> Meaning:
         case KeepWithin():
             return ("within", statement.topic.text, statement.property, statement.bound)
         case SetFrequency():
-            return ("set", statement.topic.text, statement.rate.value)
+            return ("set", statement.topic.text, statement.rate.value, margin_meaning(statement.margin))
+        case SetParameter():
+            return ("parameter", statement.node.text, statement.parameter, statement.text)
+        case CallService():
+            return ("call", statement.service.text, statement.argument)
+        case Notify():
+            return ("notify", statement.text)
+
+
+def margin_meaning(margin: Margin | None) -> Meaning:
+    """The words and numbers of a margin."""
+    if margin is None:
+        return ()
+    return margin.to.value, margin.topic.text, margin.property, margin.from_value, margin.to_value
 
 
 def condition_meaning(condition: Condition) -> Meaning:

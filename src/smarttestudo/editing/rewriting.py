@@ -11,7 +11,7 @@ from itertools import chain
 from typing import TypeVar
 
 from smarttestudo.editing.condition_edits import changed_words, condition_edits
-from smarttestudo.editing.document import Entry, Meaning, condition_meaning, meaning
+from smarttestudo.editing.document import Entry, Meaning, condition_meaning, margin_meaning, meaning
 from smarttestudo.editing.text_edit import TextEdit, TokenRange, addition, removal
 from smarttestudo.language.formatter import (
     bound_text,
@@ -19,6 +19,7 @@ from smarttestudo.language.formatter import (
     format_condition,
     format_heading,
     format_statement,
+    margin_text,
     rate_text,
 )
 from smarttestudo.language.parser.lexer import TokenKind
@@ -27,6 +28,7 @@ from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
+    CallService,
     Check,
     Comment,
     Condition,
@@ -34,11 +36,15 @@ from smarttestudo.language.syntax import (
     KeepAtLeast,
     KeepWithin,
     Not,
+    Notify,
     Or,
     RecordIncident,
     SetFrequency,
+    SetParameter,
     Statement,
     Timed,
+)
+from smarttestudo.language.syntax_walks import (
     checks_in,
 )
 
@@ -129,6 +135,12 @@ def _subject(action: Action) -> Meaning:
             return (KeepWithin, action.topic.text, action.property)
         case RecordIncident():
             return (RecordIncident, action.name)
+        case SetParameter():
+            return (SetParameter, action.node.text, action.parameter)
+        case CallService():
+            return (CallService, action.service.text)
+        case Notify():
+            return (Notify, action.text)
 
 
 _TOPIC, _PROPERTY, _BOUND = 1, 2, 3
@@ -185,7 +197,18 @@ def _set(
     if old.rate.value != new.rate.value:
         rate = replace(new.rate, has_unit=old.rate.has_unit)
         text_edits.append(TextEdit(*words.places.range(old.rate.span), rate_text(rate)))
+    if isinstance(old, SetFrequency) and isinstance(new, SetFrequency):
+        text_edits += _margin(old, new, words)
     return text_edits
+
+
+def _margin(old: SetFrequency, new: SetFrequency, words: TokenRange) -> list[TextEdit]:
+    if margin_meaning(old.margin) == margin_meaning(new.margin):
+        return []
+    text = "" if new.margin is None else f" {margin_text(new.margin)}"
+    start = words.places.range(old.rate.span)[1]
+    end = start if old.margin is None else words.places.range(old.margin.span)[1]
+    return [TextEdit(start, end, text)]
 
 
 def _action(old: Action, new: Action, words: TokenRange) -> list[TextEdit]:

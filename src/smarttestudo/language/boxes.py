@@ -13,12 +13,12 @@ from heapq import heappop, heappush
 
 from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some, negation
-from smarttestudo.language.region import Region
+from smarttestudo.language.text_region import SetOfValues, TextRegion, common
 
-Box = Mapping[Signal, Region]
+Box = Mapping[Signal, SetOfValues]
 """All states whose signals lie in the given, never empty, regions; other signals may have any value."""
 
-Domain = Callable[[Signal], Region]
+Domain = Callable[[Signal], SetOfValues]
 """The values that a signal can have."""
 
 
@@ -32,15 +32,15 @@ class Border:
 
 def common_box(first: Box, second: Box) -> Box | None:
     """The states in both boxes, ``None`` if there are none."""
-    common = dict(first)
+    both = dict(first)
     for signal, region in second.items():
-        mine = common.get(signal)
+        mine = both.get(signal)
         if mine is not None:
-            region = mine.intersection(region)  # noqa: PLW2901
+            region = common(mine, region)  # noqa: PLW2901
             if region.is_empty:
                 return None
-        common[signal] = region
-    return common
+        both[signal] = region
+    return both
 
 
 def border_between(first: Box, second: Box) -> Border | None:
@@ -49,7 +49,7 @@ def border_between(first: Box, second: Box) -> Border | None:
     ``None`` for boxes that share a state, lie apart, or touch at a corner only.
     """
     shared = (signal for signal in first if signal in second)
-    apart = [signal for signal in shared if first[signal].intersection(second[signal]).is_empty]
+    apart = [signal for signal in shared if common(first[signal], second[signal]).is_empty]
     if len(apart) != 1:
         return None
     signal = apart[0]
@@ -58,7 +58,9 @@ def border_between(first: Box, second: Box) -> Border | None:
     return None if value is None else Border(signal=signal, value=value)
 
 
-def _ends(region: Region) -> dict[float, None]:
+def _ends(region: SetOfValues) -> dict[float, None]:
+    if isinstance(region, TextRegion):
+        return {}  # From one text to another no step is small.
     return dict.fromkeys(value for value, _ in region.cuts)
 
 
@@ -101,7 +103,7 @@ def boxes_where(forms: Iterable[Form], domain: Domain, effort: Effort) -> Iterat
     Raises ``TooComplexError`` when ``effort`` is spent.
     """
     search = _Search(domain, effort)
-    cases: list[tuple[dict[Signal, Region], tuple[Form, ...]]] = [({}, tuple(forms))]
+    cases: list[tuple[dict[Signal, SetOfValues], tuple[Form, ...]]] = [({}, tuple(forms))]
     while cases:
         box, pending = cases.pop()
         clauses = search.narrow(box, pending)
@@ -125,7 +127,7 @@ class _Search:
         self._domain = domain
         self._effort = effort
 
-    def narrow(self, box: dict[Signal, Region], forms: Iterable[Form]) -> list[Some] | None:
+    def narrow(self, box: dict[Signal, SetOfValues], forms: Iterable[Form]) -> list[Some] | None:
         """Narrow ``box`` by all that ``forms`` force; what is left to choose, ``None`` if they contradict."""
         clauses: list[Some] = []
         forced = list(forms)
@@ -153,8 +155,8 @@ class _Search:
             clauses = undecided
         return clauses
 
-    def _narrow_signal(self, box: dict[Signal, Region], within: InRegion) -> bool:
-        region = self._values(box, within.signal).intersection(within.region)
+    def _narrow_signal(self, box: dict[Signal, SetOfValues], within: InRegion) -> bool:
+        region = common(self._values(box, within.signal), within.region)
         box[within.signal] = region
         return not region.is_empty
 
@@ -174,10 +176,10 @@ class _Search:
         if isinstance(form, InRegion):
             self._effort.spend(1)
             values = self._values(box, form.signal)
-            common = values.intersection(form.region)
-            if common.is_empty:
+            possible = common(values, form.region)
+            if possible.is_empty:
                 return Truth.FALSE
-            return Truth.TRUE if common == values else Truth.UNKNOWN
+            return Truth.TRUE if possible == values else Truth.UNKNOWN
         decisive = Truth.FALSE if isinstance(form, Every) else Truth.TRUE
         settled = True
         for part in form.parts:
@@ -189,7 +191,7 @@ class _Search:
             return Truth.UNKNOWN
         return Truth.TRUE if isinstance(form, Every) else Truth.FALSE
 
-    def _values(self, box: Box, signal: Signal) -> Region:
+    def _values(self, box: Box, signal: Signal) -> SetOfValues:
         region = box.get(signal)
         return self._domain(signal) if region is None else region
 
@@ -198,7 +200,7 @@ Interval = tuple[float, float]
 """From the first number to the second, both included."""
 
 Hull = Mapping[Signal, Interval]
-"""The closed intervals around a box; signals that the box does not bound are left out."""
+"""The closed intervals around a box; signals that the box does not bound, and texts, are left out."""
 
 _UNBOUNDED: Interval = (-math.inf, math.inf)
 _LEAF_SIZE = 8
@@ -219,6 +221,8 @@ def hull_of(box: Box) -> Hull:
     """The closed intervals around ``box``."""
     hull: dict[Signal, Interval] = {}
     for signal, region in box.items():
+        if isinstance(region, TextRegion):
+            continue
         ends = region.pieces[0][0][0], region.pieces[-1][1][0]
         if ends != _UNBOUNDED:
             hull[signal] = ends

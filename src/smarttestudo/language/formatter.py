@@ -11,24 +11,31 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.parser.values import quoted
 from smarttestudo.language.syntax import (
+    Act,
     Action,
     And,
     Block,
+    CallService,
     Check,
     Collection,
     Comment,
+    Compared,
     Condition,
+    Constant,
     Duration,
     Group,
     KeepAtLeast,
     KeepWithin,
+    Margin,
     Not,
+    Notify,
     Or,
     RateExpression,
     RateWord,
     RecordIncident,
     RuleFile,
     SetFrequency,
+    SetParameter,
     Statement,
     Timed,
     Trivia,
@@ -86,6 +93,15 @@ def number_text(value: float) -> str:
     return repr(float(value)).removesuffix(".0")
 
 
+def value_text(value: Compared) -> str:
+    """A value as one would write it."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return quoted(value)
+    return str(value) if isinstance(value, Constant) else number_text(value)
+
+
 def within_text(statement: KeepWithin) -> str:
     """The statement on one line, without its comments."""
     return f"KeepWithin {statement.topic.text} {statement.property} {bound_text(statement)}"
@@ -100,6 +116,35 @@ def bound_text(statement: KeepWithin) -> str:
 def duration_text(duration: Duration) -> str:
     """The duration as written."""
     return f"{duration.text} {duration.unit.value}"
+
+
+def set_text(statement: SetFrequency) -> str:
+    """The statement on one line, without its comments."""
+    rate = rate_text(statement.rate)
+    margin = "" if statement.margin is None else f" {margin_text(statement.margin)}"
+    return f"SetFrequency {statement.topic.text} {rate}{margin}"
+
+
+def margin_text(margin: Margin) -> str:
+    """``.. 20 By /scan distance 3 .. 0.5``."""
+    from_text = margin.from_text or number_text(margin.from_value)
+    to_text = margin.to_text or number_text(margin.to_value)
+    read = f"{margin.topic.text} {margin.property}"
+    return f".. {rate_text(margin.to)} By {read} {from_text} .. {to_text}"
+
+
+def act_text(statement: Act) -> str:
+    """The statement on one line, without its comments."""
+    match statement:
+        case SetParameter():
+            value = statement.text or value_text(statement.value)
+            return f"SetParameter {statement.node.text} {statement.parameter} {value}"
+        case CallService(argument=None):
+            return f"Call {statement.service.text}"
+        case CallService():
+            return f"Call {statement.service.text} {'true' if statement.argument else 'false'}"
+        case Notify():
+            return f"Notify {quoted(statement.text)}"
 
 
 def rate_text(rate: RateExpression) -> str:
@@ -252,8 +297,8 @@ def until_text(until: Until) -> str:
 
 
 def compared_text(comparison: Check | Until) -> str:
-    """The number as written, or as one would write it where the tree holds no spelling."""
-    return comparison.text or number_text(comparison.value)
+    """The value as written, or as one would write it where the tree holds no spelling."""
+    return comparison.text or value_text(comparison.value)
 
 
 def format_rules(text: str, path: str) -> str:
@@ -326,8 +371,7 @@ def _write_statement(writer: LineWriter, level: int, statement: Statement | Acti
     writer.above(level, statement.trivia)
     match statement:
         case SetFrequency():
-            text = f"SetFrequency {statement.topic.text} {rate_text(statement.rate)}"
-            writer.line(level, text, statement.trivia.beside)
+            writer.line(level, set_text(statement), statement.trivia.beside)
         case KeepAtLeast():
             text = f"KeepAtLeast {statement.topic.text} {rate_text(statement.rate)}"
             writer.line(level, text, statement.trivia.beside)
@@ -335,6 +379,8 @@ def _write_statement(writer: LineWriter, level: int, statement: Statement | Acti
             writer.line(level, within_text(statement), statement.trivia.beside)
         case RecordIncident():
             writer.line(level, _record_text(statement), statement.trivia.beside)
+        case SetParameter() | CallService() | Notify():
+            writer.line(level, act_text(statement), statement.trivia.beside)
         case Block():
             _write_block(writer, level, statement)
 

@@ -3,30 +3,36 @@
 """Conditions as AND/OR trees over regions of signals, with every Not pushed into the checks.
 
 What a condition asks of the time before is a signal of its own, derived from others: how long a condition
-has held (``HeldTime``), and which of two regions a value was in last (``LastSeen``).
+has held (``HeldTime``), and which of two regions a value was in last (``LastSeen``). So is whether any
+element of an array lies in a region (``AnyElement``), which no region of one value says.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.names import is_source
+from smarttestudo.domain.signal import Signal, SignalKind, Value
 from smarttestudo.domain.units import NS_PER_S
-from smarttestudo.language.formatter import number_text
-from smarttestudo.language.region import Region
+from smarttestudo.language.formatter import number_text, value_text
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
+from smarttestudo.language.properties.field_path import ANY
+from smarttestudo.language.region import Bound, Region
 from smarttestudo.language.syntax import (
     And,
     Check,
+    Compared,
     Condition,
+    Constant,
     Group,
     Not,
     Operator,
     Or,
     Timed,
     TimeWord,
-    Until,
 )
+from smarttestudo.language.text_region import SetOfValues, TextRegion, common, intersection_of, union_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +40,7 @@ class InRegion:
     """True while the signal's value lies in the region, unknown while the signal is unknown."""
 
     signal: Signal
-    region: Region
+    region: SetOfValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +62,7 @@ Resolve = Callable[[str], str]
 
 HELD = "held_s"
 LAST_SEEN = "last_seen"
+ANY_ELEMENT = "any_element"
 
 
 class HeldTime(Signal):
@@ -84,22 +91,39 @@ class LastSeen(Signal):
     """
 
     source: Signal
-    on: Region
-    off: Region
+    on: SetOfValues
+    off: SetOfValues
 
-    def __new__(cls, source: Signal, on: Region, off: Region) -> LastSeen:
+    def __new__(cls, source: Signal, on: SetOfValues, off: SetOfValues) -> LastSeen:
         """The signal of ``source`` between two regions."""
         signal = super().__new__(cls, f"{source} {region_text(on)} Until {region_text(off)}", LAST_SEEN)
         signal.source, signal.on, signal.off = source, on, off
         return signal
 
-    def __getnewargs__(self) -> tuple[Signal, Region, Region]:
+    def __getnewargs__(self) -> tuple[Signal, SetOfValues, SetOfValues]:
         """The arguments that it is made from, for copies."""
         return self.source, self.on, self.off
 
 
+class AnyElement(Signal):
+    """1 where any of the values of ``source``, a property with ``[*]``, lies in ``region``, else 0."""
+
+    source: Signal
+    region: SetOfValues
+
+    def __new__(cls, source: Signal, region: SetOfValues) -> AnyElement:
+        """The signal of ``source`` and a region."""
+        signal = super().__new__(cls, f"{source} {region_text(region)}", ANY_ELEMENT)
+        signal.source, signal.region = source, region
+        return signal
+
+    def __getnewargs__(self) -> tuple[Signal, SetOfValues]:
+        """The arguments that it is made from, for copies."""
+        return self.source, self.region
+
+
 def is_derived(signal: Signal) -> bool:
-    """Whether ``signal`` stands for the past of others; the name of a topic has no blank."""
+    """Whether ``signal`` is computed from others; the name of a topic has no blank."""
     return " " in signal.topic
 
 
@@ -110,63 +134,109 @@ def derived_values(signal: Signal) -> Region:
     return Region.union_of(Region.where(Operator.EQUAL, value) for value in (0.0, 1.0))
 
 
-def normal_form(condition: Condition, resolve: Resolve, *, negated: bool = False) -> Form:
+def normal_form(
+    condition: Condition, resolve: Resolve, types: KnownTypes = NO_TYPES, *, negated: bool = False
+) -> Form:
     """``condition`` (or its negation) without Not, nested alike parts joined.
 
     De Morgan's laws and ``not (x > 3) == x <= 3`` hold in Kleene's logic, so truth stays the same for every
     state, unknown included; ``C Within d`` is ``Not (Not C For d)``. ``resolve`` gives the full name of a
-    topic.
+    topic, ``types`` the constants of its type.
     """
     match condition:
         case Check():
-            within = _check_form(condition, signal_of(condition, resolve))
+            within = _check_form(condition, resolve, types)
             return InRegion(within.signal, within.region.complement()) if negated else within
         case Group():
-            return normal_form(condition.operand, resolve, negated=negated)
+            return normal_form(condition.operand, resolve, types, negated=negated)
         case Not():
-            return normal_form(condition.operand, resolve, negated=not negated)
+            return normal_form(condition.operand, resolve, types, negated=not negated)
         case Timed():
             is_for = condition.word is TimeWord.FOR
-            held = held_time(condition, resolve)
+            held = held_time(condition, resolve, types)
             enough = Region.where(Operator.GREATER_EQUAL, condition.duration.ns / NS_PER_S)
             return InRegion(held, enough if is_for != negated else enough.complement())
         case And() | Or():
-            parts = tuple(normal_form(part, resolve, negated=negated) for part in condition.operands)
+            parts = tuple(normal_form(part, resolve, types, negated=negated) for part in condition.operands)
             joined = Every if isinstance(condition, And) != negated else Some
             return _flat(joined, parts)
 
 
-def held_time(condition: Timed, resolve: Resolve) -> HeldTime:
+def held_time(condition: Timed, resolve: Resolve, types: KnownTypes = NO_TYPES) -> HeldTime:
     """For how long what a ``For`` is about has held; of a ``Within``, for how long it has not."""
     negated = condition.word is TimeWord.WITHIN
-    return HeldTime(normal_form(condition.operand, resolve, negated=negated))
+    return HeldTime(normal_form(condition.operand, resolve, types, negated=negated))
 
 
-def signal_of(check: Check, resolve: Resolve) -> Signal:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadCheck:
+    """A check with full names: alone it is true where ``signal`` lies in ``region``.
+
+    ``latch`` is the memory of one with an ``Until``, whose comparison counts where both are true. Of a check
+    with ``[*]``, ``signal`` has the values of all elements, and one in the region is enough.
+    """
+
+    signal: Signal
+    region: SetOfValues
+    latch: LastSeen | None = None
+
+    @property
+    def form(self) -> InRegion:
+        """Where the check holds."""
+        derived: Signal | None = self.latch
+        if ANY in self.signal.property:
+            derived = AnyElement(self.signal, self.region)
+        if derived is None:
+            return InRegion(self.signal, self.region)
+        return InRegion(derived, Region.where(Operator.GREATER_EQUAL, 1.0))
+
+
+def read_check(check: Check, resolve: Resolve, types: KnownTypes = NO_TYPES) -> ReadCheck:
+    """The meaning of ``check``; what it compares with says how its property is read."""
+    name = check.topic.text
+    topic = name if is_source(name) else resolve(name)
+    kind, value = _compared(check.value, topic, check.property, types)
+    if check.until is None:
+        return ReadCheck(
+            signal=Signal(topic, _read_property(check, kind), kind), region=_region(check.operator, value)
+        )
+    other, end = _compared(check.until.value, topic, check.property, types)
+    if SignalKind.UNRESOLVED in (kind, other) or isinstance(value, str) != isinstance(end, str):
+        kind, value, end = SignalKind.UNRESOLVED, 0.0, 1.0
+    signal = Signal(topic, _read_property(check, kind), kind)
+    region, off = _region(check.operator, value), _region(check.until.operator, end)
+    return ReadCheck(
+        signal=signal, region=region, latch=LastSeen(signal, common(region, off.complement()), off)
+    )
+
+
+def signal_of(check: Check, resolve: Resolve, types: KnownTypes = NO_TYPES) -> Signal:
     """The signal that ``check`` reads."""
-    return Signal(resolve(check.topic.text), check.property)
+    return read_check(check, resolve, types).signal
 
 
-def compared_region(comparison: Check | Until) -> Region:
-    """The values for which a comparison alone is true."""
-    return Region.where(comparison.operator, comparison.value)
+def _compared(value: Compared, topic: str, path: str, types: KnownTypes) -> tuple[SignalKind, Value]:
+    if isinstance(value, bool):
+        return SignalKind.STATE, float(value)
+    if isinstance(value, Constant):
+        known = types.constant(topic, path, value)
+        if known is None:
+            return SignalKind.UNRESOLVED, 0.0
+        return (SignalKind.TEXT if isinstance(known, str) else SignalKind.STATE), known
+    return (SignalKind.TEXT if isinstance(value, str) else SignalKind.NUMBER), value
 
 
-def latch_of(signal: Signal, region: Region, until: Until | None) -> LastSeen | None:
-    """Memory of a check of ``signal`` with an ``Until``, whose comparison counts where both are true."""
-    if until is None:
-        return None
-    off = compared_region(until)
-    return LastSeen(signal, region.intersection(off.complement()), off)
+def _read_property(check: Check, kind: SignalKind) -> str:
+    """The property; with an unresolved constant its name, too: nothing is known of two of them."""
+    return f"{check.property} {check.value}" if kind is SignalKind.UNRESOLVED else check.property
 
 
-def _check_form(check: Check, signal: Signal) -> InRegion:
-    """Where ``check`` of ``signal`` holds."""
-    region = compared_region(check)
-    latch = latch_of(signal, region, check.until)
-    if latch is None:
-        return InRegion(signal, region)
-    return InRegion(latch, Region.where(Operator.GREATER_EQUAL, 1.0))
+def _region(operator: Operator, value: Value) -> SetOfValues:
+    return TextRegion.where(operator, value) if isinstance(value, str) else Region.where(operator, value)
+
+
+def _check_form(check: Check, resolve: Resolve, types: KnownTypes) -> InRegion:
+    return read_check(check, resolve, types).form
 
 
 def _flat(joined: type[Every] | type[Some], parts: tuple[Form, ...]) -> Form:
@@ -189,6 +259,8 @@ def reads(form: Form) -> Iterator[InRegion]:
             pending.extend(
                 InRegion(part.signal.source, region) for region in (part.signal.off, part.signal.on)
             )
+        elif isinstance(part.signal, AnyElement):
+            pending.append(InRegion(part.signal.source, part.signal.region))
         else:
             yield part
 
@@ -208,6 +280,8 @@ def over_states(form: Form) -> Form:
     if not isinstance(form, InRegion):
         return _flat(type(form), tuple(map(over_states, form.parts)))
     signal, plain = form.signal, InRegion(Signal(*form.signal), form.region)
+    if isinstance(signal, AnyElement):
+        return plain
     if isinstance(signal, HeldTime):
         is_for = not form.region.contains(-1.0)
         now = over_states(signal.form)
@@ -215,7 +289,7 @@ def over_states(form: Form) -> Form:
     if isinstance(signal, LastSeen):
         is_on = form.region.contains(1.0)
         if signal.on.is_empty:
-            return InRegion(signal.source, Region.nothing() if is_on else Region.everything())
+            return InRegion(signal.source, signal.on if is_on else signal.on.complement())
         sure, never = (signal.on, signal.off) if is_on else (signal.off, signal.on)
         between = InRegion(signal.source, never.complement())
         return Some((InRegion(signal.source, sure), Every((between, plain))))
@@ -234,22 +308,22 @@ def merged(form: Form) -> Form:
     """``form`` with the regions of one signal under one AND or OR made one; its truth stays the same."""
     if isinstance(form, InRegion):
         return form
-    regions: dict[Signal, list[Region]] = {}
+    regions: dict[Signal, list[SetOfValues]] = {}
     nested: list[Form] = []
     for part in map(merged, form.parts):
         if isinstance(part, InRegion):
             regions.setdefault(part.signal, []).append(part.region)
         else:
             nested.append(part)
-    join = Region.intersection_of if isinstance(form, Every) else Region.union_of
+    join = intersection_of if isinstance(form, Every) else union_of
     parts = (*(InRegion(signal, join(alike)) for signal, alike in regions.items()), *nested)
     return parts[0] if len(parts) == 1 else type(form)(parts)
 
 
-def holds(form: Form, values: Mapping[Signal, float]) -> bool:
+def holds(form: Form, values: Mapping[Signal, Value]) -> bool:
     """Whether ``form`` holds where every signal that it reads has the value in ``values``."""
     if isinstance(form, InRegion):
-        return form.region.contains(values[form.signal])
+        return form.region.contains(values[form.signal])  # type: ignore[arg-type]  # of one sort
     results = (holds(part, values) for part in form.parts)
     return all(results) if isinstance(form, Every) else any(results)
 
@@ -261,19 +335,25 @@ def form_text(form: Form) -> str:
         return f"({word.join(map(form_text, form.parts))})"
     if isinstance(form.signal, HeldTime):
         is_for = not form.region.contains(-1.0)
-        cut_s = form.region.cuts[0][0]
+        cut_s = _cuts(form.region)[0][0]
         return f"({'' if is_for else 'Not '}{form.signal.topic} For {number_text(cut_s)} s)"
-    if isinstance(form.signal, LastSeen):
+    if isinstance(form.signal, LastSeen | AnyElement):
         return f"({'' if form.region.contains(1.0) else 'Not '}{form.signal.topic})"
     return f"{form.signal} {region_text(form.region)}"
 
 
-def region_text(region: Region) -> str:
-    """``< 3`` where one comparison says it, else the ends of its intervals."""
+def _cuts(region: SetOfValues) -> Sequence[Bound]:
+    return region.cuts if isinstance(region, Region) else ()
+
+
+def region_text(region: SetOfValues) -> str:
+    """``< 3`` where one comparison says it, else the ends of its intervals, or its texts."""
     comparison = region.comparison
     if comparison is not None:
         operator, value = comparison
-        return f"{operator.value} {number_text(value)}"
+        return f"{operator.value} {value_text(value)}"
+    if isinstance(region, TextRegion):
+        return f"{'not ' * region.is_inverse}in {' '.join(map(value_text, sorted(region.texts)))}"
     opening, closing = {-1: "[", 1: "("}, {-1: ")", 1: "]"}
     intervals = (
         f"{opening[low[1]]}{number_text(low[0])}, {number_text(high[0])}{closing[high[1]]}"

@@ -91,6 +91,11 @@ class Region:
         return None
 
     @property
+    def is_inverse(self) -> bool:
+        """Whether it is the one, of a region and its complement, that goes down without end."""
+        return self.contains(-math.inf)
+
+    @property
     def is_empty(self) -> bool:
         """Whether no number is in it."""
         return not self.pieces

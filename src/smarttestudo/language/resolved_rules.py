@@ -10,18 +10,17 @@ from dataclasses import dataclass
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.normal_form import (
     Form,
     LastSeen,
     Resolve,
-    compared_region,
-    latch_of,
     negation,
     normal_form,
-    signal_of,
+    read_check,
 )
-from smarttestudo.language.region import Region
 from smarttestudo.language.syntax import (
+    Act,
     Action,
     Block,
     Check,
@@ -31,11 +30,15 @@ from smarttestudo.language.syntax import (
     RuleFile,
     SetFrequency,
     Statement,
+)
+from smarttestudo.language.syntax_walks import (
+    acts_in,
     bounds_in,
     checks_in,
     records_in,
     sets_in,
 )
+from smarttestudo.language.text_region import SetOfValues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,7 +102,7 @@ class ResolvedCheck:
     path: str
     signal: Signal
     syntax: Check
-    region: Region
+    region: SetOfValues
     latch: LastSeen | None
 
 
@@ -138,6 +141,7 @@ class Branch:
     settings: Mapping[str, ResolvedRate]
     bounds: tuple[ResolvedBound, ...]
     records: tuple[ResolvedRecord, ...]
+    acts: tuple[Act, ...] = ()
 
     @property
     def label(self) -> str:
@@ -180,9 +184,11 @@ class ResolvedRules:
         return [bound for bound in self.bounds if bound.branch is None]
 
 
-def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool = False) -> ResolvedRules:
+def resolve_rules(
+    files: Sequence[RuleFile], resolve: Resolve, types: KnownTypes = NO_TYPES, *, disabled: bool = False
+) -> ResolvedRules:
     """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names."""
-    reader = _Reader(resolve)
+    reader = _Reader(resolve, types)
     for number, file in enumerate(files):
         for statement in file.statements:
             if (isinstance(statement, Block) and statement.is_disabled) is disabled:
@@ -197,9 +203,19 @@ def resolve_rules(files: Sequence[RuleFile], resolve: Resolve, *, disabled: bool
     )
 
 
+def _highest(statement: SetFrequency) -> Rate | None:
+    """The rate, of one with a margin the higher end; ``None`` where a tier is in it."""
+    rate = statement.rate.rate
+    if statement.margin is None:
+        return rate
+    other = statement.margin.to.rate
+    return None if rate is None or other is None else max(rate, other)
+
+
 class _Reader:
-    def __init__(self, resolve: Resolve) -> None:
+    def __init__(self, resolve: Resolve, types: KnownTypes) -> None:
         self._full_name = resolve
+        self._types = types
         self.rates: list[ResolvedRate | ResolvedFloor] = []
         self.bounds: list[ResolvedBound] = []
         self.defaults: list[ResolvedRate] = []
@@ -221,7 +237,7 @@ class _Reader:
                     file=file,
                     path=path,
                     block=statement,
-                    form=normal_form(statement.condition, self._full_name),
+                    form=normal_form(statement.condition, self._full_name, self._types),
                     checks=tuple(self._check(path, check) for check in checks_in(statement.condition)),
                 )
                 self.blocks.append(block)
@@ -229,10 +245,10 @@ class _Reader:
                 self._add_branch(block, statement.otherwise, is_else=True)
 
     def _check(self, path: str, check: Check) -> ResolvedCheck:
-        signal = signal_of(check, self._full_name)
-        region = compared_region(check)
-        latch = latch_of(signal, region, check.until)
-        return ResolvedCheck(path=path, signal=signal, syntax=check, region=region, latch=latch)
+        read = read_check(check, self._full_name, self._types)
+        return ResolvedCheck(
+            path=path, signal=read.signal, syntax=check, region=read.region, latch=read.latch
+        )
 
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:
@@ -249,6 +265,7 @@ class _Reader:
                 self._bound(block.path, bound, (block.order, is_else)) for bound in bounds_in(actions)
             ),
             records=tuple(self._record(block.path, record) for record in records_in(actions)),
+            acts=acts_in(actions),
         )
         self.branches.append(branch)
 
@@ -262,7 +279,7 @@ class _Reader:
 
     def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
         topic = self._full_name(statement.topic.text)
-        rate = ResolvedRate(path=path, topic=topic, statement=statement, rate=statement.rate.rate)
+        rate = ResolvedRate(path=path, topic=topic, statement=statement, rate=_highest(statement))
         self.rates.append(rate)
         return rate
 

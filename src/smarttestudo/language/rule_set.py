@@ -14,8 +14,9 @@ from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Values
 from smarttestudo.domain.timing import Yield, yielding
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.normal_form import (
     Every,
     Form,
@@ -28,7 +29,6 @@ from smarttestudo.language.normal_form import (
     over_states,
     signals_of,
 )
-from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import (
     Branch,
     ResolvedBound,
@@ -38,14 +38,21 @@ from smarttestudo.language.resolved_rules import (
     resolve_rules,
 )
 from smarttestudo.language.syntax import (
+    Act,
+    CallService,
     KeepWithin,
+    Notify,
     RateWord,
     RuleFile,
     SetFrequency,
+    SetParameter,
     Timed,
     TimeWord,
+)
+from smarttestudo.language.syntax_walks import (
     times_in,
 )
+from smarttestudo.language.text_region import SetOfValues
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,6 +67,17 @@ class RecordRequest:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ActRequest:
+    """The request of a ``SetParameter``, ``Call`` or ``Notify``.
+
+    ``target`` is the full name of the node or service, empty for a note.
+    """
+
+    statement: Act
+    target: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WrittenCheck:
     """One check where it is written: true while its signal lies in ``region``, whatever is around it.
 
@@ -69,8 +87,13 @@ class WrittenCheck:
     line: int
     column: int
     signal: Signal
-    region: Region
+    region: SetOfValues
     latch: LastSeen | None = None
+
+    def holds_for(self, values: Values) -> bool:
+        """Whether it is true for a value, or for any of several."""
+        each = values if isinstance(values, tuple) else (values,)
+        return any(self.region.contains(value) for value in each)  # type: ignore[arg-type]  # of one sort
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,8 +113,9 @@ class RuleBlock:
 
     ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
     among all blocks of the rule set, ``line`` and ``column`` those in file number ``file``; ``recordings``
-    begin when it begins to hold. ``name`` is the one that is written, if one is; a ``label`` may say the
-    line. ``checks`` and ``times`` are those of the condition as they are written, which an ``Else`` has not.
+    begin and ``acts`` are done when it begins to hold. ``name`` is the one that is written, if one is; a
+    ``label`` may say the line. ``checks`` and ``times`` are those of the condition as they are written, which
+    an ``Else`` has not.
     """
 
     order: int
@@ -106,6 +130,7 @@ class RuleBlock:
     rates: Mapping[str, Rate]
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     recordings: tuple[RecordRequest, ...] = ()
+    acts: tuple[ActRequest, ...] = ()
     checks: tuple[WrittenCheck, ...] = ()
     times: tuple[WrittenTime, ...] = ()
 
@@ -215,24 +240,33 @@ def _no_profile(value: float | Tier | RateWord, what: str, span: Span, path: str
     )
 
 
-def compile_rules(files: Sequence[RuleFile], resolve: Resolve, tiers: TierValues | None = None) -> RuleSet:
-    """The meaning of ``files``, which have no errors, as one set; tiers in them need ``tiers``."""
-    compiler = _Compiler(resolve=cache(resolve), tiers=RefusedTiers() if tiers is None else tiers)
+def compile_rules(
+    files: Sequence[RuleFile],
+    resolve: Resolve,
+    tiers: TierValues | None = None,
+    types: KnownTypes = NO_TYPES,
+) -> RuleSet:
+    """The meaning of ``files``, which have no errors, as one set; tiers in them need ``tiers``.
+
+    ``types`` says which topics patterns match, and what constants are.
+    """
+    compiler = _Compiler(resolve=cache(resolve), tiers=tiers or RefusedTiers(), types=types)
     return compiler.rule_set(files)
 
 
 class _Compiler:
     """Equal parts of what it makes are one object each: in many rules the same signals and limits recur."""
 
-    def __init__(self, *, resolve: Resolve, tiers: TierValues) -> None:
+    def __init__(self, *, resolve: Resolve, tiers: TierValues, types: KnownTypes) -> None:
         self._resolve = resolve
+        self._types = types
         self._tiers = tiers
         self._regions: dict[InRegion, InRegion] = {}
         self._rates: dict[tuple[tuple[str, Rate], ...], Mapping[str, Rate]] = {}
         self._no_bounds: Mapping[str, Mapping[str, float]] = {}
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
-        resolved = resolve_rules(files, self._resolve)
+        resolved = resolve_rules(files, self._resolve, self._types)
         rules = RuleSet(
             defaults={default.topic: self._rate(default) for default in resolved.written_defaults},
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
@@ -251,7 +285,7 @@ class _Compiler:
             line=timed.duration.span.line,
             column=timed.duration.span.column,
             word=timed.word,
-            held=held_time(timed, self._resolve),
+            held=held_time(timed, self._resolve, self._types),
             duration_ns=timed.duration.ns,
         )
 
@@ -290,9 +324,20 @@ class _Compiler:
             rates=self._rates.setdefault(tuple(rates.items()), rates),
             bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
+            acts=tuple(map(self._act_request, branch.acts)),
             checks=() if branch.is_else else tuple(map(self._check_as_written, resolved.checks)),
             times=() if branch.is_else else tuple(map(self._time_as_written, times_in(block.condition))),
         )
+
+    def _act_request(self, act: Act) -> ActRequest:
+        match act:
+            case SetParameter():
+                target = self._resolve(act.node.text)
+            case CallService():
+                target = self._resolve(act.service.text)
+            case Notify():
+                target = ""
+        return ActRequest(statement=act, target=target)
 
     def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:
         """Of several bounds of one property the tightest counts."""

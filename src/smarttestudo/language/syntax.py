@@ -7,7 +7,7 @@ Fields that hold comments and blank lines do not count when trees are compared.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from itertools import chain
@@ -78,10 +78,31 @@ class RateWord(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TopicName:
-    """A topic as the file writes it, not yet resolved."""
+    """A topic as the file writes it, not yet resolved, or a pattern of topics."""
 
     text: str
     span: Span
+
+    @property
+    def is_pattern(self) -> bool:
+        """Whether it stands for all topics of a kind, as ``/camera/*``."""
+        return "*" in self.text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Constant:
+    """A constant of a message type: ``NAME``, or ``TYPE.NAME`` with the type's name as written."""
+
+    type_name: str
+    name: str
+
+    def __str__(self) -> str:
+        """As a rule file writes it."""
+        return f"{self.type_name}.{self.name}" if self.type_name else self.name
+
+
+Compared = float | bool | str | Constant
+"""The right side of a comparison: a number, true or false, a text, or a constant."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -135,17 +156,17 @@ class Duration:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Until:
-    """``Until op NUMBER`` behind a check; ``text`` is the number as written."""
+    """``Until op VALUE`` behind a check; ``text`` is the value as written."""
 
     operator: Operator
-    value: float
+    value: Compared
     text: str
     span: Span
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Check:
-    """``CheckValue TOPIC PROPERTY op NUMBER [Until op NUMBER]``; ``text`` is the number as written.
+    """``CheckValue TOPIC PROPERTY op VALUE [Until op VALUE]``; ``text`` is the value as written.
 
     ``span`` is that of all of it.
     """
@@ -154,7 +175,7 @@ class Check:
     property: str
     property_span: Span
     operator: Operator
-    value: float
+    value: Compared
     text: str
     span: Span
     until: Until | None = None
@@ -213,12 +234,32 @@ Condition = Check | Not | And | Or | Group | Timed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Margin:
+    """``.. rate By TOPIC PROPERTY NUMBER .. NUMBER`` behind a rate.
+
+    The rate goes from the one before it to ``to`` as the property goes from ``from_value`` to ``to_value``;
+    the texts are these two as written. ``span`` begins at ``..``.
+    """
+
+    to: RateExpression
+    topic: TopicName
+    property: str
+    property_span: Span
+    from_value: float
+    from_text: str
+    to_value: float
+    to_text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class SetFrequency:
-    """``SetFrequency TOPIC rate``, as a default or inside a block."""
+    """``SetFrequency TOPIC rate``, as a default or inside a block; with a ``margin``, ``rate`` is one end."""
 
     topic: TopicName
     rate: RateExpression
     span: Span
+    margin: Margin | None = None
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
@@ -261,7 +302,42 @@ class KeepWithin:
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
 
 
-Action = SetFrequency | KeepWithin | RecordIncident
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetParameter:
+    """``SetParameter NODE PARAMETER value``; ``text`` is the value as written: 40 is no 40.0 to a node."""
+
+    node: TopicName
+    parameter: str
+    parameter_span: Span
+    value: float | bool | str
+    text: str
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CallService:
+    """``Call SERVICE [true | false]``; ``argument`` is ``None`` where none is written."""
+
+    service: TopicName
+    argument: bool | None
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Notify:
+    """``Notify "text"``."""
+
+    text: str
+    span: Span
+    trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+
+Act = SetParameter | CallService | Notify
+"""What a block does beside relaying and recording."""
+
+Action = SetFrequency | KeepWithin | RecordIncident | Act
 """A statement in a Then or Else."""
 
 
@@ -339,78 +415,3 @@ class RuleFile:
             for statement in self.statements
             if not (isinstance(statement, Block) and statement.is_disabled)
         )
-
-
-def sets_in(actions: Iterable[Action]) -> tuple[SetFrequency, ...]:
-    """The rates among ``actions``, in their order."""
-    return tuple(action for action in actions if isinstance(action, SetFrequency))
-
-
-def bounds_in(actions: Iterable[Action]) -> tuple[KeepWithin, ...]:
-    """The bounds among ``actions``, in their order."""
-    return tuple(action for action in actions if isinstance(action, KeepWithin))
-
-
-def bound_span(statement: KeepWithin) -> Span:
-    """Where the bound of a parsed statement is written: its last word."""
-    bound, whole = statement.bound, statement.span
-    length = len(bound.value if isinstance(bound, Tier) else statement.text)
-    return Span(
-        line=whole.end_line,
-        column=whole.end_column - length,
-        end_line=whole.end_line,
-        end_column=whole.end_column,
-    )
-
-
-def records_in(actions: Iterable[Action]) -> tuple[RecordIncident, ...]:
-    """The recordings among ``actions``, in their order."""
-    return tuple(action for action in actions if isinstance(action, RecordIncident))
-
-
-def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
-    """The tiers that a statement names, each with its place, in their order."""
-    actions = (*statement.then, *statement.otherwise) if isinstance(statement, Block) else (statement,)
-    for action in actions:
-        match action:
-            case SetFrequency(rate=RateExpression(value=Tier() as tier, span=span)):
-                yield span, tier
-            case KeepWithin(bound=Tier() as tier):
-                yield bound_span(action), tier
-            case _:
-                pass
-
-
-def conditions_in(condition: Condition) -> Iterator[Condition]:
-    """``condition`` and every condition inside it, in the order of the text."""
-    pending = [condition]
-    while pending:
-        current = pending.pop()
-        yield current
-        match current:
-            case And() | Or():
-                pending.extend(reversed(current.operands))
-            case Not() | Group() | Timed():
-                pending.append(current.operand)
-            case Check():
-                pass
-
-
-def times_in(condition: Condition) -> Iterator[Timed]:
-    """The times of a condition, in the order in which they end."""
-    match condition:
-        case Check():
-            return
-        case Group() | Not():
-            yield from times_in(condition.operand)
-        case Timed():
-            yield from times_in(condition.operand)
-            yield condition
-        case And() | Or():
-            for operand in condition.operands:
-                yield from times_in(operand)
-
-
-def checks_in(condition: Condition) -> Iterator[Check]:
-    """The checks of a condition, in their order."""
-    return (part for part in conditions_in(condition) if isinstance(part, Check))

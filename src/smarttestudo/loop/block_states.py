@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from itertools import islice
 
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Signal, Truth, Value, shown_value
 from smarttestudo.domain.status import BlockStatus, CheckStatus, TimeStatus
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleBlock, RuleSet, WrittenCheck, WrittenTime
@@ -68,24 +68,24 @@ class BlockStates:
 
     def _check(self, check: WrittenCheck) -> CheckStatus:
         """The state of a check, of its value: on some checks no condition depends."""
-        value, state = self._values[check.signal], Truth.UNKNOWN
+        values, state = self._values[check.signal], Truth.UNKNOWN
         if check.latch is not None:
             state = self._latched[check.latch]
-        elif value is not None:
-            state = Truth.TRUE if check.region.contains(value) else Truth.FALSE
-        return CheckStatus(line=check.line, column=check.column, state=state, value=value)
+        elif values is not None:
+            state = Truth.TRUE if check.holds_for(values) else Truth.FALSE
+        return CheckStatus(line=check.line, column=check.column, state=state, value=shown_value(values))
 
 
 _REMEMBERED = {Truth.TRUE: 1.0, Truth.FALSE: 0.0, Truth.UNKNOWN: None}
 
 
-def values_in(states: Iterable[BlockStatus], rule_set: RuleSet) -> dict[Signal, float | None]:
+def values_in(states: Iterable[BlockStatus], rule_set: RuleSet) -> dict[Signal, Value | None]:
     """The values that the conditions of ``rule_set`` read by what ``states`` say, what is derived included.
 
     Signals of blocks that are not in ``states`` are missing.
     """
     by_place = {(one.file, one.line, one.column): one for one in states}
-    values: dict[Signal, float | None] = {}
+    values: dict[Signal, Value | None] = {}
     for block in rule_set.written:
         state = by_place.get((block.file, block.line, block.column))
         if state is None:

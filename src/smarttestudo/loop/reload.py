@@ -12,7 +12,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Values
 from smarttestudo.domain.timing import AlarmClock, Yield, never_yield, yielding
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
@@ -50,7 +50,7 @@ class RuleExchange:
         self,
         before: RuleSet,
         after: RuleSet,
-        values: Mapping[Signal, float | None] | None = None,
+        values: Mapping[Signal, Values | None] | None = None,
         yield_turn: Yield = never_yield,
     ) -> None:
         self.before, self.after = before, after

@@ -19,7 +19,7 @@ from smarttestudo.domain.observation import (
     SourceChanged,
     Undecodable,
 )
-from smarttestudo.domain.signal import Truth
+from smarttestudo.domain.signal import Truth, Value
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
@@ -192,7 +192,7 @@ class Trigger:
 
     stamp_ns: int
     block: RuleBlock
-    values: Mapping[str, float | None]
+    values: Mapping[str, Value | None]
 
 
 def triggers(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger]:

@@ -14,12 +14,13 @@ from dataclasses import dataclass, field
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.domain.signal import ArrivalProperty, Signal, Value
 from smarttestudo.language.boxes import Box, Domain, Effort, TooComplexError, boxes_where
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.normal_form import reads, signals_of
 from smarttestudo.language.region import Bound, Region
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.language.text_region import SetOfValues, TextRegion
 from smarttestudo.optimizer.problem import fits
 from smarttestudo.pacing.bound import HEARTBEAT_HZ
 
@@ -60,7 +61,7 @@ def _cluster(blocks: Sequence[RuleBlock]) -> Cluster:
     )
 
 
-State = Mapping[Signal, float]
+State = Mapping[Signal, Value]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,10 +70,13 @@ class Axis:
 
     signal: Signal
     edges: Sequence[Bound]
-    samples: Mapping[int, float]
+    samples: Mapping[int, Value]
 
-    def intervals(self, region: Region) -> Iterator[int]:
-        """The intervals that lie in ``region``, whose ends are edges."""
+    def intervals(self, region: SetOfValues) -> Iterator[int]:
+        """The intervals that lie in ``region``, whose ends are edges; of texts those that it holds."""
+        if isinstance(region, TextRegion):
+            yield from (index for index, text in self.samples.items() if region.contains(text))
+            return
         for low, high in region.pieces:
             start, end = bisect.bisect_left(self.edges, low), bisect.bisect_left(self.edges, high)
             yield from (index for index in range(start, end) if index in self.samples)
@@ -80,11 +84,11 @@ class Axis:
 
 def axes_of(cluster: Cluster, domain: Domain) -> list[Axis]:
     """One axis for each signal of the cluster."""
-    cuts: dict[Signal, set[Bound]] = {signal: set() for signal in cluster.signals}
+    regions: dict[Signal, list[SetOfValues]] = {signal: [] for signal in cluster.signals}
     for block in cluster.blocks:
         for part in reads(block.form):
-            cuts[part.signal].update(part.region.cuts)
-    return [_axis(signal, cuts[signal], domain(signal)) for signal in cluster.signals]
+            regions[part.signal].append(part.region)
+    return [_axis(signal, regions[signal], domain(signal)) for signal in cluster.signals]
 
 
 def cell_count(axes: Sequence[Axis]) -> int:
@@ -103,7 +107,7 @@ def holding_together(
         (block.order, box) for block in cluster.blocks for box in boxes_where([block.form], domain, effort)
     ]
     orders = [order for order, _ in boxes]
-    masks: dict[int, dict[Signal, float]] = {(1 << len(boxes)) - 1: {}}
+    masks: dict[int, dict[Signal, Value]] = {(1 << len(boxes)) - 1: {}}
     for axis in axes:
         along = _masks(axis, [box for _, box in boxes])
         # Cells with the same boxes so far go on as one.
@@ -118,7 +122,12 @@ def holding_together(
     return found
 
 
-def _axis(signal: Signal, cuts: set[Bound], domain: Region) -> Axis:
+def _axis(signal: Signal, regions: Sequence[SetOfValues], domain: SetOfValues) -> Axis:
+    if isinstance(domain, TextRegion):
+        texts = {text for region in regions if isinstance(region, TextRegion) for text in region.texts}
+        other = TextRegion(frozenset(texts), is_inverse=True).sample()
+        return Axis(signal=signal, edges=(), samples=dict(enumerate([*sorted(texts), other])))
+    cuts = {cut for region in regions if isinstance(region, Region) for cut in region.cuts}
     ends = {cut for piece in domain.pieces for cut in piece}
     whole = {cut for piece in Region.everything().pieces for cut in piece}
     edges = sorted(cuts | ends | whole)
@@ -214,7 +223,7 @@ class Situation:
     """The blocks that hold while no other does, a state in which they do, and what all topics then take."""
 
     blocks: tuple[RuleBlock, ...]
-    state: Mapping[Signal, float]
+    state: Mapping[Signal, Value]
     kb_per_s: float
 
 
@@ -282,7 +291,7 @@ class _Choice:
     """One way in which the blocks of a cluster hold, and what the cluster's topics then take."""
 
     orders: tuple[int, ...]
-    state: Mapping[Signal, float]
+    state: Mapping[Signal, Value]
     kb_per_s: float
 
 
@@ -317,7 +326,7 @@ class _Meter:
                 self._evaluator.set(signal, 0.0)
         self.start_up_kb_per_s = self._sum(rule_set.relayed)
 
-    def measure(self, cluster: Cluster, state: Mapping[Signal, float]) -> float:
+    def measure(self, cluster: Cluster, state: Mapping[Signal, Value]) -> float:
         for signal, value in state.items():
             self._evaluator.set(signal, value)
         return self._sum(topic for topic in cluster.topics if topic in self._relayed)

@@ -15,7 +15,13 @@ from smarttestudo.domain.profile import AccuracyTiers, Profile
 from smarttestudo.domain.rate import SLOW_HZ, Rate, Tier
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.resolved_rules import Branch, ResolvedBound, ResolvedRate, resolve_rules
-from smarttestudo.language.syntax import RateWord, RuleFile, bound_span
+from smarttestudo.language.syntax import (
+    RateWord,
+    RuleFile,
+)
+from smarttestudo.language.syntax_walks import (
+    bound_span,
+)
 from smarttestudo.optimizer.model import BoundNeeds, Requirement, TopicNeeds, accuracy_of, needs_of
 
 StatementKey = tuple[str, Span]

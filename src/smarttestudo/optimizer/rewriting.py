@@ -12,7 +12,13 @@ from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.formatter import number_text
-from smarttestudo.language.syntax import RuleFile, SetFrequency, tiers_in
+from smarttestudo.language.syntax import (
+    RuleFile,
+    SetFrequency,
+)
+from smarttestudo.language.syntax_walks import (
+    tiers_in,
+)
 from smarttestudo.optimizer.requirements import StatementKey
 from smarttestudo.optimizer.rule_rates import Optimization
 from smarttestudo.optimizer.wording import hz_text

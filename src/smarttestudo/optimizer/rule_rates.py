@@ -13,7 +13,14 @@ from dataclasses import dataclass, field
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.language.normal_form import Resolve
-from smarttestudo.language.syntax import KeepWithin, RuleFile, SetFrequency, bound_span
+from smarttestudo.language.syntax import (
+    KeepWithin,
+    RuleFile,
+    SetFrequency,
+)
+from smarttestudo.language.syntax_walks import (
+    bound_span,
+)
 from smarttestudo.optimizer.model import MissingEntryError, Model, Requirement
 from smarttestudo.optimizer.problem import Allocation, allocate, exact_sum, fits, round_down, used_kb_per_s
 from smarttestudo.optimizer.requirements import (

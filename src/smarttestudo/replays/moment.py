@@ -16,7 +16,7 @@ from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.domain.units import utc_time
 from smarttestudo.language.evaluator import ExplainedValue, explain, explain_block
 from smarttestudo.language.rule_set import RuleSet
@@ -57,7 +57,7 @@ def reason_by_rules(
     rule_set: RuleSet,
     topic: str,
     planned: PlannedRate,
-    values: Mapping[Signal, float | None],
+    values: Mapping[Signal, Value | None],
     decision: Decision | None = None,
 ) -> RateReason:
     """Why ``topic`` has the ``planned`` rate, by the rules in force and the values that they read."""
@@ -151,7 +151,8 @@ def reason_in_decisions(
         )
     decision = mine[-1]
     planned = decision.planned
-    values = {Signal(*name.split(" ", 1)): value for name, value in decision.values.items()}
+    named = {str(signal): signal for signal in (rule_set.signals if rule_set is not None else ())}
+    values = {named.get(name, Signal.named(name)): value for name, value in decision.values.items()}
     explained: tuple[ExplainedValue, ...] = ()
     if rule_set is not None and planned.rule is not None and planned.line is not None:
         explained = explain_block(rule_set, planned.rule, planned.line, values)

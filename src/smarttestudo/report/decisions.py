@@ -11,7 +11,9 @@ from smarttestudo.bags.comparison import target_spans
 from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.remote_robots import RuleText
+from smarttestudo.domain.signal import Value
 from smarttestudo.domain.units import grouped
+from smarttestudo.language.formatter import value_text
 from smarttestudo.report.axes import label, number, percent_place, plot
 from smarttestudo.report.markup import Markup, name_parts, tag
 from smarttestudo.report.page import section
@@ -177,6 +179,12 @@ def _row(decision: Decision, styles: RuleStyles, *, is_first: bool) -> Markup:
     )
 
 
+def _text(value: Value | None) -> str:
+    if value is None:
+        return "unknown"
+    return value_text(value) if isinstance(value, str) else label(value, _DIGITS)
+
+
 def _values(decision: Decision) -> list[Markup]:
     """The values that the condition read; a topic is named once for all its properties in a row."""
     parts: list[str] = []
@@ -185,7 +193,7 @@ def _values(decision: Decision) -> list[Markup]:
         topic, _, property_name = signal.partition(" ")
         shown = property_name if topic == last_topic else signal
         last_topic = topic
-        parts.append(f"{shown} = {'unknown' if value is None else label(value, _DIGITS)}")
+        parts.append(f"{shown} = {_text(value)}")
     return [tag("span", ", ".join(parts), class_="values quiet")] if parts else []
 
 

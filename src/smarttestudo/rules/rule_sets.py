@@ -19,7 +19,12 @@ from smarttestudo.domain.texts import in_utf_8
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
-from smarttestudo.language.syntax import RuleFile, tiers_in
+from smarttestudo.language.syntax import (
+    RuleFile,
+)
+from smarttestudo.language.syntax_walks import (
+    tiers_in,
+)
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
 
 

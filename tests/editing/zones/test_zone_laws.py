@@ -29,7 +29,12 @@ from smarttestudo.editing.zones import (
 from smarttestudo.editing.zones.cover import Corner, CoverRectangle
 from smarttestudo.language.normal_form import holds, normal_form
 from smarttestudo.language.parser.lexer import TokenKind
-from smarttestudo.language.syntax import Block, checks_in
+from smarttestudo.language.syntax import (
+    Block,
+)
+from smarttestudo.language.syntax_walks import (
+    checks_in,
+)
 from smarttestudo.ruler.rules.zones import with_moved_zone, with_new_zone, with_resized_zone
 
 X, Y = Signal("/odom", "pose_x"), Signal("/odom", "pose_y")

@@ -25,6 +25,8 @@ from smarttestudo.language.syntax import (
     RuleFile,
     SetFrequency,
     Timed,
+)
+from smarttestudo.language.syntax_walks import (
     sets_in,
 )
 
@@ -50,6 +52,7 @@ def naive_truth(condition: Condition, values: Values) -> bool | None:
             value = values.get(Signal(condition.topic.text, condition.property))
             if value is None or math.isnan(value):
                 return None
+            assert isinstance(condition.value, float)
             return bool(COMPARISONS[condition.operator](value, condition.value))
         case Group():
             return naive_truth(condition.operand, values)

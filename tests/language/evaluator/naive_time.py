@@ -88,6 +88,7 @@ def _during(
 
 def _check_truths(one: Check, history: Sequence[Sample]) -> Iterator[bool | None]:
     signal = Signal(one.topic.text, one.property)
+    assert isinstance(one.value, float)
     seen: bool | None = None
     for sample in history:
         value = sample.values[signal]
@@ -98,6 +99,7 @@ def _check_truths(one: Check, history: Sequence[Sample]) -> Iterator[bool | None
         if one.until is None:
             yield is_true
             continue
+        assert isinstance(one.until.value, float)
         if COMPARISONS[one.until.operator](value, one.until.value):
             seen = False
         elif is_true:

@@ -74,6 +74,7 @@ def assert_nearest(one: ExplainedValue, changing: set[float], rates_hz: dict[flo
         assert within <= changing
         assert {rates_hz[x] for x in within} == {rates_hz[x] for x in changing} or len(one.borders) == 4
         return
+    assert isinstance(one.value, float)
     above = sorted(x for x in changing if x > one.value)
     below = sorted((x for x in changing if x < one.value), reverse=True)
     nearest = [side[0] for side in (below, above) if side]

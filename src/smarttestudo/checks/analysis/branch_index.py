@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
 from smarttestudo.checks.analysis.results import State
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.language.boxes import (
     Box,
     BoxIndex,
@@ -27,8 +28,8 @@ from smarttestudo.language.boxes import (
     meets,
 )
 from smarttestudo.language.normal_form import Every, Form, InRegion, holds, negation
-from smarttestudo.language.region import Region
 from smarttestudo.language.resolved_rules import Branch
+from smarttestudo.language.text_region import SetOfValues, common
 
 MAX_BOXES = 64
 
@@ -68,11 +69,11 @@ def boxes_of(form: Form, domain: Domain, effort: Effort) -> ConditionBoxes:
 
 def _box_around(form: Form, domain: Domain) -> Box:
     parts = form.parts if isinstance(form, Every) else (form,)
-    around: dict[Signal, Region] = {}
+    around: dict[Signal, SetOfValues] = {}
     for part in parts:
         if isinstance(part, InRegion):
-            region = around.get(part.signal, domain(part.signal)).intersection(part.region)
-            around[part.signal] = region
+            known = around.get(part.signal, domain(part.signal))
+            around[part.signal] = common(known, part.region)
     return {signal: region for signal, region in around.items() if not region.is_empty}
 
 
@@ -233,14 +234,17 @@ class Covers:
         return find_box(forms, self._domain, effort)
 
 
-class _FullState(dict[Signal, float]):
+_ANYWHERE: Interval = (-math.inf, math.inf)
+
+
+class _FullState(dict[Signal, Value]):
     """A state in a box that gives a signal beyond the box its usual value when that is asked for."""
 
-    def __init__(self, box: Box, usual_value: Callable[[Signal], float]) -> None:
+    def __init__(self, box: Box, usual_value: Callable[[Signal], Value]) -> None:
         super().__init__({signal: region.sample() for signal, region in box.items()})
         self._usual_value = usual_value
 
-    def __missing__(self, signal: Signal) -> float:
+    def __missing__(self, signal: Signal) -> Value:
         value = self[signal] = self._usual_value(signal)
         return value
 
@@ -254,5 +258,5 @@ class _Points(dict[Signal, Interval]):
 
     def __missing__(self, signal: Signal) -> Interval:
         value = self._state[signal]
-        point = self[signal] = (value, value)
+        point = self[signal] = _ANYWHERE if isinstance(value, str) else (value, value)
         return point

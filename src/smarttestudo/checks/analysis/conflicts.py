@@ -23,6 +23,7 @@ from smarttestudo.language.boxes import (
 )
 from smarttestudo.language.normal_form import Every, Form, InRegion, Some, is_derived
 from smarttestudo.language.resolved_rules import Branch, ResolvedFloor, ResolvedRate
+from smarttestudo.language.text_region import common
 
 
 class ConflictFinder:
@@ -208,4 +209,4 @@ def excludes(first: Form, second: Form, effort: Effort) -> bool:
 
 
 def _are_apart(first: InRegion, second: InRegion) -> bool:
-    return first.signal == second.signal and first.region.intersection(second.region).is_empty
+    return first.signal == second.signal and common(first.region, second.region).is_empty

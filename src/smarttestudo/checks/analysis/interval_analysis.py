@@ -16,6 +16,7 @@ from smarttestudo.domain.signal import Signal, Truth
 from smarttestudo.language.boxes import Domain, Effort, TooComplexError, find_box
 from smarttestudo.language.normal_form import Form, negation
 from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedFloor, ResolvedRate
+from smarttestudo.language.text_region import is_part_of
 
 _T = TypeVar("_T")
 
@@ -118,7 +119,7 @@ class _Analyst:
     def _is_everywhere(self, where_true: ConditionBoxes, block: ResolvedBlock) -> bool:
         if where_true.is_exact and len(where_true.boxes) == 1:
             return all(
-                self.domain(signal).is_within(region) for signal, region in where_true.boxes[0].items()
+                is_part_of(self.domain(signal), region) for signal, region in where_true.boxes[0].items()
             )
         return find_box([negation(block.form)], self.domain, self._question()) is None
 

@@ -7,11 +7,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Signal, Truth, Value
 from smarttestudo.language.boxes import Border
 from smarttestudo.language.resolved_rules import Branch, ResolvedBlock, ResolvedRate
 
-State = Mapping[Signal, float]
+State = Mapping[Signal, Value]
 """Values of signals; what is said about a state holds for any values of the other signals."""
 
 

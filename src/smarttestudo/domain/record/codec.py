@@ -252,7 +252,7 @@ def _converter(hint: Any, entry: JsonEntry) -> _Converter:
     if origin is Annotated:
         return _annotated(_converter(parts[0], entry), parts[1:])
     if origin in (Union, UnionType):
-        return _optional(next(part for part in parts if part is not type(None)), entry)
+        return _optional([part for part in parts if part is not type(None)], entry)
     if origin in (tuple, frozenset):
         return _several(origin, parts, entry)
     if isinstance(hint, type) and hasattr(hint, "from_json"):
@@ -300,14 +300,24 @@ def _record(kind: type) -> _Converter:
     return _Converter(encode=to_json, decode=lambda value: _class_of(kind).decode(value), record=kind)
 
 
-def _optional(hint: Any, entry: JsonEntry) -> _Converter:
-    converter = _converter(hint, entry)
+def _optional(hints: list[Any], entry: JsonEntry) -> _Converter:
+    converter = _converter(hints[0], entry)
+    if hints[1:] == [str]:
+        converter = _or_text(converter)
     return _Converter(
         encode=converter.encode,
         decode=lambda value: None if value is None else converter.decode(value),
         null=(None,),
         is_measured=converter.is_measured,
         record=converter.record,
+    )
+
+
+def _or_text(converter: _Converter) -> _Converter:
+    encode = converter.encode or (lambda value: value)
+    return _Converter(
+        encode=lambda value: value if isinstance(value, str) else encode(value),
+        decode=lambda value: value if isinstance(value, str) else converter.decode(value),
     )
 
 

@@ -26,6 +26,8 @@ from smarttestudo.language.syntax import (
     Or,
     Timed,
     TopicName,
+)
+from smarttestudo.language.syntax_walks import (
     checks_in,
 )
 
@@ -202,7 +204,7 @@ def _zones_of(alternative: Iterable[_Literal], checks: tuple[Check, ...], resolv
             continue
         sides = bounds.setdefault(resolve(checks[number].topic.text), {})
         known = sides.get(side)
-        if known is None or _is_tighter(side, checks[number].value, checks[known].value):
+        if known is None or _is_tighter(side, _end(checks[number]), _end(checks[known])):
             sides[side] = number
     return [
         Zone(topic=topic, rectangle=_rectangle(sides, checks), checks=sides)
@@ -213,10 +215,15 @@ def _zones_of(alternative: Iterable[_Literal], checks: tuple[Check, ...], resolv
 def _side_of(check: Check, *, negated: bool) -> Side | None:
     """The side that a check bounds; none where it is about something else, or asks for one exact value."""
     is_from_below = _FROM_BELOW.get(check.operator)
-    if is_from_below is None or check.until is not None:
+    if is_from_below is None or check.until is not None or not isinstance(check.value, float):
         return None
     bound = (axis_of(check.property), is_from_below != negated)
     return next((side for side in Side if side.value == bound), None)
+
+
+def _end(check: Check) -> float:
+    """The number that a check of a side compares with."""
+    return check.value if isinstance(check.value, float) else math.nan
 
 
 def _is_tighter(side: Side, value: float, than: float) -> bool:
@@ -225,7 +232,7 @@ def _is_tighter(side: Side, value: float, than: float) -> bool:
 
 def _rectangle(sides: Mapping[Side, int], checks: tuple[Check, ...]) -> ZoneRectangle:
     def end(side: Side) -> float | None:
-        return checks[sides[side]].value if side in sides else None
+        return _end(checks[sides[side]]) if side in sides else None
 
     return ZoneRectangle(
         min_x_m=end(Side.MIN_X), max_x_m=end(Side.MAX_X), min_y_m=end(Side.MIN_Y), max_y_m=end(Side.MAX_Y)

@@ -5,18 +5,27 @@
 from __future__ import annotations
 
 from bisect import bisect_left, insort
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from typing import Any
 
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Signal, SignalKind, Truth, Values
 from smarttestudo.domain.timing import Yield, never_yield, yielding
 from smarttestudo.language.evaluator.graph import Graph, Propagation
-from smarttestudo.language.evaluator.literal import TRUE, UNKNOWN, Latch, Leaf, Literal, Thresholds
+from smarttestudo.language.evaluator.literal import (
+    TRUE,
+    UNKNOWN,
+    Latch,
+    Leaf,
+    Literal,
+    TextThresholds,
+    Thresholds,
+)
 from smarttestudo.language.normal_form import HeldTime, LastSeen, signals_of
+from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.region import Bound
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 
@@ -250,11 +259,11 @@ class Evaluator:
         self._propagation.advance(now_ns)
 
     @property
-    def values(self) -> Mapping[Signal, float | None]:
+    def values(self) -> Mapping[Signal, Values | None]:
         """The last value of each signal. Another thread may ask for them."""
         return {signal: thresholds.value for signal, thresholds in self._thresholds.items()}
 
-    def foresee(self, values: Mapping[Signal, float | None], yield_turn: Yield = never_yield) -> None:
+    def foresee(self, values: Mapping[Signal, Values | None], yield_turn: Yield = never_yield) -> None:
         """Compute with ``values`` as what may hold at the ``start``: what turns out to does not cost again.
 
         What remembers the past takes no part.
@@ -292,7 +301,7 @@ class Evaluator:
             if remembered is not None:
                 latch.restore_history(remembered)
 
-    def set(self, signal: Signal, value: float | None) -> None:
+    def set(self, signal: Signal, value: Values | None) -> None:
         """Take a signal's value; ``None`` and NaN mean unknown. Signals that no check reads are ignored."""
         thresholds = self._thresholds.get(signal)
         if thresholds is None:
@@ -362,13 +371,18 @@ class Evaluator:
         """The signals that the condition of a block reads, sorted."""
         return sorted(signals_of(self._blocks[block_order].form))
 
-    def values_of(self, block_order: int) -> dict[str, float | None]:
+    def values_of(self, block_order: int) -> dict[str, Values | None]:
         """The values that the condition of a block reads, by signal name; ``None`` is unknown."""
         return {str(signal): self._thresholds[signal].value for signal in self.reads(block_order)}
 
     def cuts(self, signal: Signal) -> list[Bound]:
         """The places of the number line, rising, where a value of ``signal`` changes some check."""
         return self._thresholds[signal].cuts
+
+    def texts(self, signal: Signal) -> Collection[str]:
+        """The texts that checks compare ``signal`` with."""
+        thresholds = self._thresholds[signal]
+        return thresholds.texts if isinstance(thresholds, TextThresholds) else ()
 
     def _block_changed(self, order: int, before: int, after: int) -> None:
         self._changed_blocks.add(order)
@@ -386,13 +400,18 @@ def _literal(graph: Graph, block: RuleBlock) -> Literal:
     return literal
 
 
-def _thresholds(graph: Graph) -> dict[Signal, Thresholds]:
+def _thresholds(graph: Graph) -> dict[Signal, Thresholds | TextThresholds]:
     leaves: dict[Signal, list[Leaf | Latch]] = {
         signal: [*by_region.values()] for signal, by_region in graph.leaves.items()
     }
     for latch in graph.latches.values():
         leaves.setdefault(latch.source, []).append(latch)
-    return {signal: Thresholds(found) for signal, found in leaves.items()}
+    return {
+        signal: TextThresholds(found)
+        if signal.kind is SignalKind.TEXT or ANY in signal.property
+        else Thresholds(found)
+        for signal, found in leaves.items()
+    }
 
 
 def _arbiters(rule_set: RuleSet, yield_turn: Yield) -> dict[str, TopicArbiter]:

@@ -11,13 +11,14 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.rate import Rate
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, SignalKind, Value
 from smarttestudo.language.evaluator.evaluator import Evaluator
 from smarttestudo.language.normal_form import HELD, LAST_SEEN, is_derived
 from smarttestudo.language.region import Bound, Region
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.language.text_region import SetOfValues, TextRegion
 
-Values = Mapping[Signal, float | None]
+SignalValues = Mapping[Signal, Value | None]
 """The values of signals by their names; those that are not known are ``None`` or missing."""
 
 _MOST_FOR_UNKNOWN = 4
@@ -30,7 +31,7 @@ class RateBorder:
     ``is_lasting``: only once that has lasted as long as a ``For`` or ``Within`` says.
     """
 
-    where: Region
+    where: SetOfValues
     request: PlannedRate
     is_lasting: bool
 
@@ -44,7 +45,7 @@ class ExplainedValue:
     """
 
     signal: Signal
-    value: float | None
+    value: Value | None
     borders: tuple[RateBorder, ...]
 
 
@@ -56,7 +57,7 @@ class RateExplanation:
     values: tuple[ExplainedValue, ...]
 
 
-def explain(rule_set: RuleSet, topic: str, values: Values) -> RateExplanation:
+def explain(rule_set: RuleSet, topic: str, values: SignalValues) -> RateExplanation:
     """Explain the request for ``topic``, which the rules relay, with the signals of the deciding block first.
 
     ``values`` has what is derived, too: by the names of ``HeldTime`` for how long a condition has held, by
@@ -73,7 +74,9 @@ def explain(rule_set: RuleSet, topic: str, values: Values) -> RateExplanation:
     )
 
 
-def explain_block(rule_set: RuleSet, label: str, line: int, values: Values) -> tuple[ExplainedValue, ...]:
+def explain_block(
+    rule_set: RuleSet, label: str, line: int, values: SignalValues
+) -> tuple[ExplainedValue, ...]:
     """The values that the block of that name and line reads, with the borders where it no longer holds.
 
     For a decision of before, of which no other values are known. Nothing where there is no such block.
@@ -110,7 +113,7 @@ def _rules_of(rule_set: RuleSet, topic: str) -> RuleSet:
 class _Question:
     """The request for a topic now, and what it would be with another value of one signal."""
 
-    def __init__(self, rule_set: RuleSet, topic: str, values: Values) -> None:
+    def __init__(self, rule_set: RuleSet, topic: str, values: SignalValues) -> None:
         self._topic = topic
         self._values = values
         self._now = Evaluator(rule_set)
@@ -131,6 +134,10 @@ class _Question:
     def explained(self, signal: Signal) -> ExplainedValue:
         """The borders of one signal."""
         value = self._values.get(signal)
+        if isinstance(value, str) or signal.kind is SignalKind.TEXT:
+            borders = [*_first(self._unlike(signal, _other_texts(self._now.texts(signal), value)))]
+            self._set(signal, value)
+            return ExplainedValue(signal=signal, value=value, borders=tuple(borders))
         value = None if value is None or math.isnan(value) else value
         cuts: list[Bound] = self._now.cuts(signal)
         if value is None and _is(signal, HELD):
@@ -147,7 +154,9 @@ class _Question:
         self._set(signal, value)
         return ExplainedValue(signal=signal, value=value, borders=tuple(borders))
 
-    def _unlike(self, signal: Signal, regions: Iterable[tuple[Region, Region]]) -> Iterator[RateBorder]:
+    def _unlike(
+        self, signal: Signal, regions: Iterable[tuple[SetOfValues, SetOfValues]]
+    ) -> Iterator[RateBorder]:
         """The regions, each with the part of it that is tried, in which the rate is another one."""
         for where, tried in regions:
             if tried.is_empty:
@@ -159,7 +168,7 @@ class _Question:
             elif _differs(later, self.request) and _differs(later, self._request_later):
                 yield RateBorder(where=where, request=later, is_lasting=True)
 
-    def _set(self, signal: Signal, value: float | None) -> None:
+    def _set(self, signal: Signal, value: Value | None) -> None:
         self._now.set(signal, value)
         if not _is(signal, HELD):
             self._later.set(signal, value)
@@ -188,6 +197,15 @@ def _intervals(cuts: Sequence[Bound]) -> Iterator[tuple[Region, Region]]:
     for low, high in zip(((-math.inf, -1), *cuts), (*cuts, (math.inf, 1)), strict=True):
         interval = _above(low).intersection(_below(high))
         yield interval, interval
+
+
+def _other_texts(texts: Iterable[str], value: Value | None) -> Iterator[tuple[TextRegion, TextRegion]]:
+    """Each text that is compared with, and all that are not, without those that ``value`` is among."""
+    compared = frozenset(texts)
+    regions = [TextRegion(frozenset((text,))) for text in sorted(compared)]
+    for region in (*regions, TextRegion(compared, is_inverse=True)):
+        if value is None or not region.contains(value):
+            yield region, region
 
 
 def _first(borders: Iterator[RateBorder]) -> Iterator[RateBorder]:

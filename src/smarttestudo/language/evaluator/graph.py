@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from functools import reduce
 from heapq import heappop, heappush
@@ -16,6 +15,7 @@ from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator.literal import (
     FALSE,
     TRUE,
+    AnyLeaf,
     Join,
     Latch,
     Leaf,
@@ -24,8 +24,9 @@ from smarttestudo.language.evaluator.literal import (
     Node,
     TimeWindow,
 )
-from smarttestudo.language.normal_form import Form, HeldTime, InRegion, LastSeen, Some
+from smarttestudo.language.normal_form import AnyElement, Form, HeldTime, InRegion, LastSeen, Some
 from smarttestudo.language.region import Region
+from smarttestudo.language.text_region import SetOfValues, intersection_of
 
 
 class Graph:
@@ -37,7 +38,7 @@ class Graph:
 
     def __init__(self) -> None:
         self.nodes: list[Node] = []
-        self.leaves: dict[Signal, dict[Region, Leaf]] = {}
+        self.leaves: dict[Signal, dict[SetOfValues, Leaf]] = {}
         self.latches: dict[Signal, Latch] = {}
         self.windows: dict[tuple[Signal, int], TimeWindow] = {}
         self._joins: dict[tuple[Literal, Literal], Join] = {}
@@ -69,32 +70,34 @@ class Graph:
         A signal is known or not for all its checks at once, so their regions may be intersected. The fixed
         order lets conditions over the same signals share joins.
         """
-        regions: dict[Signal, list[Region]] = {}
+        regions: dict[Signal, list[SetOfValues]] = {}
         nested: dict[Literal, None] = {}
         for part in parts:
-            if isinstance(part, InRegion) and not isinstance(part.signal, HeldTime | LastSeen):
+            if isinstance(part, InRegion) and not isinstance(part.signal, HeldTime | LastSeen | AnyElement):
                 region = part.region.complement() if negated else part.region
                 regions.setdefault(part.signal, []).append(region)
             else:
                 nested[self.literal_of(part, negated=negated)] = None
-        literals = [
-            self._within(signal, Region.intersection_of(regions[signal])) for signal in sorted(regions)
-        ]
+        literals = [self._within(signal, intersection_of(regions[signal])) for signal in sorted(regions)]
         literals += sorted(nested, key=lambda literal: (literal.node.number, literal.inverted))
         return reduce(self._joined, literals)
 
-    def _within(self, signal: Signal, region: Region) -> Literal:
+    def _within(self, signal: Signal, region: SetOfValues) -> Literal:
         """The literal of a region; of a region and its complement only one is a leaf."""
-        inverted = region.contains(-math.inf)
+        inverted = region.is_inverse
         base = region.complement() if inverted else region
-        if isinstance(signal, HeldTime):
+        if isinstance(signal, HeldTime) and isinstance(base, Region):
             return self._literal(self._window(signal, ns_from_s(base.cuts[0][0])), inverted=inverted)
         if isinstance(signal, LastSeen):
             return self._literal(self._latch(signal), inverted=inverted)
-        leaves = self.leaves.setdefault(signal, {})
+        kind: type[Leaf] = Leaf
+        source = signal
+        if isinstance(signal, AnyElement):
+            kind, source, base = AnyLeaf, signal.source, signal.region
+        leaves = self.leaves.setdefault(source, {})
         leaf = leaves.get(base)
         if leaf is None:
-            leaf = leaves[base] = Leaf(len(self.nodes), signal, base)
+            leaf = leaves[base] = kind(len(self.nodes), source, base)
             self.nodes.append(leaf)
         return self._literal(leaf, inverted=inverted)
 

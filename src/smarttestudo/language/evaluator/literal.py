@@ -6,11 +6,13 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Collection, Hashable, Iterable, Sequence
+from collections.abc import Collection, Hashable, Iterable
+from typing import Any
 
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Signal, Truth, Values
 from smarttestudo.language.normal_form import LastSeen
 from smarttestudo.language.region import Bound, Region
+from smarttestudo.language.text_region import SetOfValues, TextRegion
 
 FALSE = Truth.FALSE.value
 UNKNOWN = Truth.UNKNOWN.value
@@ -76,20 +78,32 @@ class Leaf(Node):
 
     __slots__ = ("region",)
 
-    def __init__(self, number: int, signal: Signal, region: Region) -> None:
+    def __init__(self, number: int, signal: Signal, region: SetOfValues) -> None:
         super().__init__(number, signal)
         self.region = region
 
     @property
-    def cuts(self) -> Sequence[Bound]:
-        """Where the signal's value changes it."""
-        return self.region.cuts
+    def regions(self) -> tuple[SetOfValues, ...]:
+        """The regions whose ends are where the signal's value changes it."""
+        return (self.region,)
 
-    def truth_at(self, value: float | None) -> int:
+    def truth_at(self, value: Any) -> int:
         """The truth for a value, ``None`` for an unknown value."""
         if value is None:
             return UNKNOWN
         return TRUE if self.region.contains(value) else FALSE
+
+
+class AnyLeaf(Leaf):
+    """True while any of a signal's values lies in a region."""
+
+    __slots__ = ()
+
+    def truth_at(self, value: Any) -> int:
+        """The truth for the values of all elements, ``None`` for unknown ones."""
+        if value is None:
+            return UNKNOWN
+        return TRUE if any(map(self.region.contains, value)) else FALSE
 
 
 class Latch(Node):
@@ -108,11 +122,11 @@ class Latch(Node):
         return self._signal.source
 
     @property
-    def cuts(self) -> Sequence[Bound]:
-        """Where the source's value may change it."""
-        return (*self._signal.on.cuts, *self._signal.off.cuts)
+    def regions(self) -> tuple[SetOfValues, ...]:
+        """The regions whose ends are where the source's value may change it."""
+        return self._signal.on, self._signal.off
 
-    def truth_at(self, value: float | None) -> int:
+    def truth_at(self, value: Any) -> int:
         """The truth for the next value, ``None`` for an unknown value; the memory keeps what was seen."""
         if value is None:
             return UNKNOWN
@@ -212,6 +226,44 @@ class Join(Node):
         self.right.live_joins.discard(self)
 
 
+class TextThresholds:
+    """Which leaves a change of the signal's text can touch: those that compare with the old or the new one.
+
+    A signal with ``[*]`` has several texts, or numbers, at a time.
+    """
+
+    __slots__ = ("_leaves", "_leaves_of", "cuts", "value")
+
+    def __init__(self, leaves: Iterable[Leaf | Latch]) -> None:
+        self._leaves = tuple(leaves)
+        self._leaves_of: dict[str, list[Leaf | Latch]] = {}
+        for leaf in self._leaves:
+            for region in leaf.regions:
+                for text in region.texts if isinstance(region, TextRegion) else ():
+                    self._leaves_of.setdefault(text, []).append(leaf)
+        self.cuts: list[Bound] = []
+        self.value: Values | None = None
+
+    @property
+    def texts(self) -> Collection[str]:
+        """The texts that are compared with."""
+        return self._leaves_of.keys()
+
+    @property
+    def has_latch(self) -> bool:
+        """Whether any of them remembers values of before."""
+        return any(isinstance(leaf, Latch) for leaf in self._leaves)
+
+    def move(self, value: Values | None) -> Collection[Leaf | Latch]:
+        """Take the new value (``None``: unknown); the leaves that may have changed."""
+        before, self.value = self.value, value
+        if before == value:
+            return ()
+        if not isinstance(before, str) or not isinstance(value, str):
+            return self._leaves
+        return {*self._leaves_of.get(before, ()), *self._leaves_of.get(value, ())}
+
+
 class Thresholds:
     """Which leaves a change of the signal's value can touch: those with a cut between old and new value."""
 
@@ -221,7 +273,8 @@ class Thresholds:
         self._leaves = tuple(leaves)
         leaves_at: dict[Bound, list[Leaf | Latch]] = {}
         for leaf in self._leaves:
-            for cut in dict.fromkeys(leaf.cuts):
+            cuts = (cut for region in leaf.regions if isinstance(region, Region) for cut in region.cuts)
+            for cut in dict.fromkeys(cuts):
                 leaves_at.setdefault(cut, []).append(leaf)
         self.cuts = sorted(leaves_at)
         self._leaves_at = [leaves_at[cut] for cut in self.cuts]
@@ -233,7 +286,7 @@ class Thresholds:
         """Whether any of them remembers values of before."""
         return any(isinstance(leaf, Latch) for leaf in self._leaves)
 
-    def move(self, value: float | None) -> Collection[Leaf | Latch]:
+    def move(self, value: Any) -> Collection[Leaf | Latch]:
         """Take the new value (``None`` or NaN: unknown); the leaves that may have changed."""
         if value is None or math.isnan(value):
             return self._forget()

@@ -8,29 +8,40 @@ import re
 from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Fix
-from smarttestudo.language.parser.conditions import parse_condition, parse_property
+from smarttestudo.language.parser.comparisons import parse_value
+from smarttestudo.language.parser.conditions import parse_condition
 from smarttestudo.language.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
 from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
 from smarttestudo.language.parser.values import (
     parse_bound,
     parse_duration,
+    parse_margin,
     parse_name,
+    parse_property,
     parse_rate,
     parse_topic,
+    parse_topics,
+    quoted,
 )
 from smarttestudo.language.syntax import (
     NO_TRIVIA,
+    Act,
     Action,
     And,
     Block,
+    CallService,
     Comment,
     Condition,
+    Constant,
     Duration,
     KeepWithin,
     Not,
+    Notify,
     Or,
+    RateWord,
     RecordIncident,
     SetFrequency,
+    SetParameter,
     Timed,
     TopicName,
     Trivia,
@@ -86,7 +97,7 @@ def parse_record(cursor: Cursor) -> RecordIncident:
     while cursor.kind is TokenKind.WORD and not cursor.mend(
         "expected-before", "'Before'", (TokenKind.BEFORE,)
     ):
-        topics.append(parse_topic(cursor))
+        topics.append(parse_topics(cursor))
     before = _part(cursor, TokenKind.BEFORE)
     after = _part(cursor, TokenKind.AFTER)
     span = cursor.span_from(first)
@@ -126,12 +137,16 @@ _SET_FREQUENCY, _KEEP_WITHIN, _RECORD, _DISABLED, _RULE, _IF, _THEN, _ELSE, _END
     TokenKind.ELSE,
     TokenKind.END_IF,
 )
-_ACTIONS = frozenset({_SET_FREQUENCY, _KEEP_WITHIN, _RECORD})
+_ACTIONS = frozenset(
+    {_SET_FREQUENCY, _KEEP_WITHIN, _RECORD, TokenKind.SET_PARAMETER, TokenKind.CALL, TokenKind.NOTIFY}
+)
 _ACTIONS_END = SAFE_PLACES - {*_ACTIONS, _THEN}
+_ARGUMENTS = {"true": True, "false": False}
+_PARAMETER = re.compile(r"[A-Za-z_][A-Za-z0-9_.\-]*")
 _EXPECTED_BLOCK = "'Rule' or 'If'"
 _DISABLED_HINT = "'Disabled' stands before a block, which it switches off"
-_EXPECTED_ACTION = "'SetFrequency', 'KeepWithin' or 'Record'"
-_EXPECTED_AFTER_ACTION = "'SetFrequency', 'KeepWithin', 'Record', 'Else', 'EndIf' or the next rule"
+_EXPECTED_ACTION = "'SetFrequency', 'KeepWithin', 'Record', 'SetParameter', 'Call' or 'Notify'"
+_EXPECTED_AFTER_ACTION = "a statement of the block, 'Else', 'EndIf' or the next rule"
 _AFTER_ACTION = frozenset(
     {
         *_ACTIONS,
@@ -163,19 +178,27 @@ class _Head:
 
 
 def parse_set(cursor: Cursor) -> SetFrequency:
-    """``SetFrequency TOPIC rate``."""
+    """``SetFrequency TOPIC rate``, which may go by a margin."""
     first = cursor.advance()
-    topic = parse_topic(cursor)
+    topic = parse_topics(cursor)
     rate = parse_rate(cursor)
+    margin = parse_margin(cursor)
+    if margin is not None:
+        for end in (rate, margin.to):
+            if isinstance(end.value, RateWord):
+                what = f"a rate goes between numbers or quality levels, not to '{end.value.value}'"
+                cursor.report("margin-end", what, span=end.span)
+        if margin.from_value == margin.to_value:
+            cursor.report("empty-margin", "the two values are equal", span=margin.span)
     return SetFrequency(
-        topic=topic, rate=rate, span=cursor.span_from(first), trivia=cursor.take_trivia(first)
+        topic=topic, rate=rate, margin=margin, span=cursor.span_from(first), trivia=cursor.take_trivia(first)
     )
 
 
 def parse_within(cursor: Cursor) -> KeepWithin:
     """``KeepWithin TOPIC PROPERTY bound``."""
     first = cursor.advance()
-    topic = parse_topic(cursor, split_property=True)
+    topic = parse_topics(cursor, split_property=True)
     name = parse_property(cursor, topic.text)
     bound, text = parse_bound(cursor)
     return KeepWithin(
@@ -267,9 +290,57 @@ def parse_actions(cursor: Cursor, *, after_error: bool) -> tuple[Action, ...]:
 
 
 def _parse_action(cursor: Cursor) -> Action:
-    if cursor.kind is _SET_FREQUENCY:
+    kind = cursor.kind
+    if kind is _SET_FREQUENCY:
         return parse_set(cursor)
-    return parse_within(cursor) if cursor.kind is _KEEP_WITHIN else parse_record(cursor)
+    if kind is _KEEP_WITHIN:
+        return parse_within(cursor)
+    return parse_record(cursor) if kind is _RECORD else _parse_act(cursor, kind)
+
+
+def _parse_act(cursor: Cursor, kind: TokenKind) -> Act:
+    if kind is TokenKind.SET_PARAMETER:
+        return _parse_parameter(cursor)
+    first = cursor.advance()
+    if kind is TokenKind.NOTIFY:
+        text = parse_name(cursor, "the text in quotes", example='Notify "The robot waits for help"')
+        return Notify(text=text, span=cursor.span_from(first), trivia=cursor.take_trivia(first))
+    service = parse_topic(cursor)
+    argument = _ARGUMENTS.get(cursor.token.text) if cursor.kind is TokenKind.WORD else None
+    if argument is not None:
+        cursor.advance()
+    return CallService(
+        service=service,
+        argument=argument,
+        span=cursor.span_from(first),
+        trivia=cursor.take_trivia(first),
+    )
+
+
+def _parse_parameter(cursor: Cursor) -> SetParameter:
+    first = cursor.advance()
+    node = parse_topic(cursor)
+    name = cursor.token
+    if name.kind is not TokenKind.WORD or not _PARAMETER.fullmatch(name.text):
+        hint = "for instance SetParameter /camera_driver jpeg_quality 40"
+        raise cursor.failure("expected-parameter", f"a parameter of '{node.text}'", hint=hint)
+    cursor.advance()
+    at = cursor.token
+    value, text = parse_value(cursor)
+    if isinstance(value, Constant):
+        cursor.report(
+            "constant-parameter", "a parameter has no constants", span=at.span, hint=quoted(at.text)
+        )
+        raise BrokenStatementError
+    return SetParameter(
+        node=node,
+        parameter=name.text,
+        parameter_span=name.span,
+        value=value,
+        text=text,
+        span=cursor.span_from(first),
+        trivia=cursor.take_trivia(first),
+    )
 
 
 def comments_above(condition: Condition) -> tuple[Comment, ...]:

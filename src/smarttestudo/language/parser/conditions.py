@@ -4,18 +4,11 @@
 
 from __future__ import annotations
 
-from typing import NoReturn
-
+from smarttestudo.language.parser.comparisons import parse_comparison, parse_until
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor
 from smarttestudo.language.parser.lexer import CONNECTIVES, Token, TokenKind
-from smarttestudo.language.parser.values import (
-    parse_comparison,
-    parse_time_parts,
-    parse_topic,
-    parse_until,
-    timed,
-)
-from smarttestudo.language.properties.field_path import is_property
+from smarttestudo.language.parser.values import parse_property, parse_read, parse_time_parts, timed
+from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Trivia
 
 MAX_NESTING = 100
@@ -119,10 +112,13 @@ def _mend_connective(cursor: Cursor) -> None:
 def _check(cursor: Cursor) -> Condition:
     first = cursor.advance()
     cursor.timed_depth = 0
-    topic = parse_topic(cursor, split_property=True)
+    topic = parse_read(cursor)
     name = parse_property(cursor, topic.text)
     operator, value, text = parse_comparison(cursor)
     until = parse_until(cursor)
+    if until is not None and ANY in name.text:
+        message = "a check of any element has no 'Until': each message has other elements"
+        cursor.report("until-of-any", message, span=until.span, hint="write 'For' or 'Within'")
     span = cursor.span_from(first)
     parts = parse_time_parts(cursor)
     check = Check(
@@ -137,22 +133,3 @@ def _check(cursor: Cursor) -> Condition:
         trivia=cursor.take_trivia(first),
     )
     return timed(check, parts)
-
-
-def parse_property(cursor: Cursor, topic: str) -> Token:
-    """The word that names a property of ``topic``."""
-    token = cursor.token
-    if token.kind is not _WORD or not is_property(token.text):
-        _refuse_property(cursor, token, topic)
-    return cursor.advance()
-
-
-def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
-    expected = f"a property of '{topic}'"
-    if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
-        hint = f"for instance {topic} age"
-        raise cursor.failure("expected-property", expected, hint=hint)
-    if token.kind is not _WORD:
-        raise cursor.failure("expected-property", expected)
-    hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
-    raise cursor.failure("invalid-property", expected, hint=hint)

@@ -190,6 +190,9 @@ SAFE_PLACES = frozenset(
     {
         *STATEMENT_STARTS,
         TokenKind.RECORD,
+        TokenKind.SET_PARAMETER,
+        TokenKind.CALL,
+        TokenKind.NOTIFY,
         TokenKind.BEGIN,
         TokenKind.END,
         TokenKind.THEN,

@@ -10,6 +10,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from smarttestudo.domain.finding import Span
+from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.texts import without_mark
 from smarttestudo.language.syntax import Comment
 
@@ -27,6 +28,10 @@ class TokenKind(Enum):
     KEEP_AT_LEAST = "KeepAtLeast"
     KEEP_WITHIN = "KeepWithin"
     RECORD = "Record"
+    SET_PARAMETER = "SetParameter"
+    CALL = "Call"
+    NOTIFY = "Notify"
+    BY = "By"
     BEFORE = "Before"
     AFTER = "After"
     DISABLED = "Disabled"
@@ -49,6 +54,7 @@ class TokenKind(Enum):
     NUMBER = "number"
     STRING = "string"
     OPERATOR = "operator"
+    RANGE = ".."
     FOREIGN = "foreign"
     END_OF_FILE = "end of file"
 
@@ -63,6 +69,7 @@ _NO_KEYWORDS = frozenset(
         TokenKind.NUMBER,
         TokenKind.STRING,
         TokenKind.OPERATOR,
+        TokenKind.RANGE,
         TokenKind.FOREIGN,
         TokenKind.END_OF_FILE,
     }
@@ -106,11 +113,14 @@ class Token(NamedTuple):
         return Span(self.line, column, self.line, column)
 
 
-_KEYWORD = re.compile("|".join(KEYWORDS))
+_NEVER_GLUED = frozenset({TokenKind.SET_PARAMETER, TokenKind.CALL, TokenKind.NOTIFY, TokenKind.BY})
+"""The thesis, whose files have keywords without blanks between, has none of these."""
+_KEYWORD = re.compile("|".join(word for word, kind in KEYWORDS.items() if kind not in _NEVER_GLUED))
 _GLUED = re.compile(rf"(?P<keywords>(?:{_KEYWORD.pattern})+)(?P<topic>/.*)?\Z", re.DOTALL)
 _SIGNS = frozenset("<>=!≤≥≠")
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
 _WORD, _CHECK_VALUE = TokenKind.WORD, TokenKind.CHECK_VALUE
+_TIERS = frozenset(tier.value for tier in Tier)
 _BEFORE_TOPIC = frozenset({TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, _CHECK_VALUE})
 
 
@@ -123,6 +133,10 @@ def without_glue(tokens: Sequence[Token]) -> list[Token]:
     before = before_that = None
     for token in tokens:
         kind = token.kind
+        if kind is _WORD and token.text.partition("..")[0] in _TIERS:
+            found.extend(_ends(token))
+            before_that, before = before, kind
+            continue
         if kind is _WORD:
             is_name = before in _BEFORE_TOPIC or (before is _WORD and before_that is _CHECK_VALUE)
             if not is_name and (glued := _GLUED.match(token.text)):
@@ -134,6 +148,22 @@ def without_glue(tokens: Sequence[Token]) -> list[Token]:
         found.append(token)
         before_that, before = before, kind
     return found
+
+
+def _ends(token: Token) -> list[Token]:
+    """``Marginal..Desirable`` in its words."""
+    low, dots, high = token.text.partition("..")
+    if not dots:
+        return [token]
+    column = token.column + len(low)
+    parts = [
+        token._replace(text=low, beside=None),
+        Token(TokenKind.RANGE, dots, token.line, column),
+        Token(_WORD, high, token.line, column + len(dots)),
+    ]
+    parts = parts if high else parts[:-1]
+    parts[-1] = parts[-1]._replace(beside=token.beside)
+    return parts
 
 
 def _is_at_property(tokens: Sequence[Token]) -> bool:
@@ -161,16 +191,25 @@ def _parts(token: Token, words: Sequence[str]) -> list[Token]:
     return parts
 
 
+_STRING = r'" [^"\\\r\n]* (?: \\[^\r\n] [^"\\\r\n]* )* "'
+_ELEMENT = rf"(?<=\[) (?: {_STRING} | \* ) \] [\w~.\[\]-]*"
+"""An element by its name, or any: the rest of a word behind its ``[``."""
+_AFTER_TOPICS = "|".join([*_TIERS, "Full", "Off", "Before"])
+_AFTER_STARS = rf"/[\w*~] | [^\S\r\n]+ (?: [+-]?\.?[0-9] | / | (?:{_AFTER_TOPICS})\b )"
+_FIRST_STARS = rf"/ \*{{1,2}} (?= {_AFTER_STARS} )"
+"""``/*`` that is no comment of another language: more of a name follows, or what follows a topic."""
 _PATTERN = re.compile(
-    r"""[^\S\r\n]* (?:
-      (?P<word>    (?: (?!\d) [\w~] | / (?![/*]) ) [\w~.\[\]-]* (?: / (?![/*]) [\w~.\[\]-]* )* )
+    rf"""[^\S\r\n]* (?:
+      (?P<word>    (?: (?!\d) [\w~] | @ (?=\w) | / (?![/*]) | {_FIRST_STARS} ) [\w~.\[\]-]*
+                   (?: / (?: \*{{1,2}} (?=[/\s]|\Z) | (?![/*]) ) [\w~.\[\]-]* | {_ELEMENT} )* )
     | (?P<newline> \r\n | \r | \n )
-    | (?P<number>  [+-]? (?: [0-9]+ (?: \.[0-9]* )? | \.[0-9]+ ) (?: [eE][+-]?[0-9]+ )?
-                   (?= (?: [kM]? [hH][zZ] | ms | s | min )? (?! [\w.] | ,[0-9] ) ) )
+    | (?P<number>  [+-]? (?: [0-9]+ (?: \.(?!\.)[0-9]* )? | \.[0-9]+ ) (?: [eE][+-]?[0-9]+ )?
+                   (?= (?: [kM]? [hH][zZ] | ms | s | min )? (?! \w | \.(?!\.) | ,[0-9] ) ) )
+    | (?P<range>   \.\. )
     | (?P<operator> >= | <= (?!>) | != | > | < (?!>) | = (?![=><]) )
     | (?P<open>    \( )
     | (?P<close>   \) )
-    | (?P<string>  " [^"\\\r\n]* (?: \\[^\r\n] [^"\\\r\n]* )* " )
+    | (?P<string>  {_STRING} )
     | (?P<comment> // [^\r\n]* | \# [^\r\n]* | /\* [^\r\n]* )   # the parser tells # and /* apart from //
     | (?P<foreign> == | => | =< | <> | && | \|\|
                  | " [^\r\n]* | ' [^'\r\n]* ' | “ [^“”\r\n]* ”
@@ -187,6 +226,7 @@ _KINDS = {
     "string": TokenKind.STRING,
     "number": TokenKind.NUMBER,
     "operator": TokenKind.OPERATOR,
+    "range": TokenKind.RANGE,
     "open": TokenKind.OPEN,
     "close": TokenKind.CLOSE,
     "foreign": TokenKind.FOREIGN,

@@ -17,7 +17,7 @@ from smarttestudo.language.parser.cursor import (
     FindingLog,
 )
 from smarttestudo.language.parser.lexer import Token, TokenKind, tokenize
-from smarttestudo.language.parser.values import parse_hertz, parse_topic
+from smarttestudo.language.parser.values import parse_hertz, parse_topics
 from smarttestudo.language.syntax import (
     COMMENT_START,
     NO_TRIVIA,
@@ -89,8 +89,8 @@ def _statement(cursor: Cursor) -> Statement | None:
             return parse_block(cursor)
         case TokenKind.THEN | TokenKind.ELSE | TokenKind.END_IF:
             _refuse_part_of_block(cursor)
-        case TokenKind.RECORD:
-            _refuse_record(cursor)
+        case TokenKind.RECORD | TokenKind.SET_PARAMETER | TokenKind.CALL | TokenKind.NOTIFY:
+            _refuse_action(cursor)
         case _:
             _refuse_unknown(cursor)
     return None
@@ -98,7 +98,7 @@ def _statement(cursor: Cursor) -> Statement | None:
 
 def _keep(cursor: Cursor) -> KeepAtLeast:
     first = cursor.advance()
-    topic = parse_topic(cursor)
+    topic = parse_topics(cursor)
     rate = parse_hertz(cursor, "expected-rate", "a number of Hz")
     return KeepAtLeast(topic=topic, rate=rate, span=cursor.span_from(first), trivia=cursor.take_trivia(first))
 
@@ -114,9 +114,10 @@ def _refuse_part_of_block(cursor: Cursor) -> None:
         _skip_body(cursor)
 
 
-def _refuse_record(cursor: Cursor) -> None:
-    message = "'Record' stands in a Then or Else only"
-    cursor.report("stray-keyword", message, hint="a recording begins when a condition begins to hold")
+def _refuse_action(cursor: Cursor) -> None:
+    message = f"'{cursor.token.text}' stands in a Then or Else only"
+    what = "a recording" if cursor.kind is TokenKind.RECORD else "an action"
+    cursor.report("stray-keyword", message, hint=f"{what} begins when a condition begins to hold")
     cursor.advance()
     cursor.skip_to(SAFE_PLACES)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Topics, names, numbers, comparisons, rates and durations."""
+"""Topics, properties, names, numbers, rates and durations."""
 
 from __future__ import annotations
 
@@ -12,28 +12,28 @@ from types import MappingProxyType
 from typing import NamedTuple, NoReturn
 
 from smarttestudo.domain.finding import Fix, Span
-from smarttestudo.domain.names import MAX_NAME_LENGTH, is_topic_name
+from smarttestudo.domain.names import MAX_NAME_LENGTH, SOURCES, is_source, is_topic_name, is_topic_pattern
 from smarttestudo.domain.rate import MAX_RATE_HZ, Tier
 from smarttestudo.domain.texts import is_shown
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.parser.cursor import BrokenStatementError, Cursor, closest, did_you_mean, hint_on
 from smarttestudo.language.parser.lexer import Token, TokenKind
+from smarttestudo.language.properties.field_path import is_property
 from smarttestudo.language.syntax import (
     Condition,
     Duration,
     DurationUnit,
-    Operator,
+    Margin,
     RateExpression,
     RateWord,
     Timed,
     TimeWord,
     TopicName,
-    Until,
 )
 
 UNIT = "Hz"
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
-_WORD, _NUMBER, _OPERATOR = TokenKind.WORD, TokenKind.NUMBER, TokenKind.OPERATOR
+_WORD, _NUMBER = TokenKind.WORD, TokenKind.NUMBER
 _RATE_UNITS = frozenset({"hz", "khz", "mhz", "hertz"})
 _TIERS = {tier.value: tier for tier in Tier}
 _RATE_NAMES: dict[str, Tier | RateWord] = {**_TIERS, **{word.value: word for word in RateWord}}
@@ -41,6 +41,11 @@ _EXPECTED_RATE = "a rate (a number of Hz, a quality level, 'Full' or 'Off')"
 _EXPECTED_BOUND = "a bound (a number or a quality level)"
 _TIERS_HINT = f"the quality levels are {', '.join(_TIERS)}"
 _LEADING_NUMBER = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+
+
+_BY_WORD = frozenset({TokenKind.BY})
+_EXPECTED_BY = "'By' and what the rate goes by"
+_MARGIN_HINT = "for instance SetFrequency /scan 2 .. 20 By /scan distance 3 .. 0.5"
 
 
 def parse_topic(cursor: Cursor, *, split_property: bool = False) -> TopicName:
@@ -54,6 +59,24 @@ def parse_topic(cursor: Cursor, *, split_property: bool = False) -> TopicName:
     return TopicName(text=token.text, span=token.span)
 
 
+def parse_topics(cursor: Cursor, *, split_property: bool = False) -> TopicName:
+    """A topic, or a pattern of topics."""
+    token = cursor.token
+    if token.kind is _WORD and is_topic_pattern(token.text):
+        cursor.advance()
+        return TopicName(text=token.text, span=token.span)
+    return parse_topic(cursor, split_property=split_property)
+
+
+def parse_read(cursor: Cursor) -> TopicName:
+    """The topic that a check reads, or ``@machine`` or ``@link`` in place of one."""
+    token = cursor.token
+    if token.kind is _WORD and is_source(token.text):
+        cursor.advance()
+        return TopicName(text=token.text, span=token.span)
+    return parse_topic(cursor, split_property=True)
+
+
 def _refuse_other_than_topic(cursor: Cursor, token: Token) -> NoReturn:
     if token.kind is not TokenKind.STRING:
         raise cursor.failure("expected-topic", "a topic", hint=hint_on(token) or "for instance /odom")
@@ -65,6 +88,13 @@ def _refuse_other_than_topic(cursor: Cursor, token: Token) -> NoReturn:
 def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> NoReturn:
     name = token.text
     head, dot, tail = name.partition(".")
+    if is_source(name):
+        raise cursor.failure("expected-topic", "a topic", hint=f"only a check reads {name}")
+    if name.startswith("@"):
+        raise cursor.failure("invalid-topic", "a valid topic name", hint=_sources_hint(name))
+    if is_topic_pattern(name):
+        hint = "a check reads one topic; patterns stand where a topic is relayed or recorded"
+        raise cursor.failure("misplaced-pattern", "the name of one topic", hint=hint)
     hint, right = "a name holds letters, digits, '_' and '/', and no part of it starts with a digit", ""
     if split_property and dot and is_topic_name(head) and tail:
         right = f"{head} {tail}"
@@ -78,6 +108,11 @@ def _refuse_topic(cursor: Cursor, token: Token, *, split_property: bool) -> NoRe
         hint = f"a name has at most {MAX_NAME_LENGTH} characters"
     fix = Fix(span=token.span, replacement=right, title=f"write {right}") if right else None
     raise cursor.failure("invalid-topic", "a valid topic name", hint=hint, fix=fix)
+
+
+def _sources_hint(name: str) -> str:
+    right = closest(name, SOURCES)
+    return did_you_mean(right) if right else f"beside topics there are {' and '.join(SOURCES)}"
 
 
 _ESCAPE = re.compile(r"\\(.)")
@@ -110,18 +145,20 @@ def parse_name(cursor: Cursor, expected: str, *, example: str, if_empty: str = "
     raise cursor.failure("expected-name", expected, hint=f"for instance {example}")
 
 
-def _plain_name(cursor: Cursor, token: Token, if_empty: str) -> str:
+def unquoted(cursor: Cursor, token: Token, code: str, what: str) -> str:
+    """The text between the quotes of ``token``; an escape without a meaning is reported."""
     text = token.text[1:-1]
     wrong = next((found for found in _ESCAPE.finditer(text) if found[1] not in '"\\'), None)
     if wrong is not None:
         fix = Fix(span=token.span, replacement=quoted(text), title="double every backslash")
         cursor.report(
-            "invalid-name",
-            f"a name cannot hold '{wrong[0]}'",
-            hint='only \\" and \\\\ have a meaning',
-            fix=fix,
+            code, f"{what} cannot hold '{wrong[0]}'", hint='only \\" and \\\\ have a meaning', fix=fix
         )
-    name = _ESCAPE.sub(r"\1", text)
+    return _ESCAPE.sub(r"\1", text)
+
+
+def _plain_name(cursor: Cursor, token: Token, if_empty: str) -> str:
+    name = unquoted(cursor, token, "invalid-name", "a name")
     if not name.strip():
         cursor.report("invalid-name", "the name is empty", hint=if_empty)
     elif not all(map(is_shown, name)):
@@ -180,43 +217,6 @@ def _refuse_number(cursor: Cursor, token: Token, code: str, expected: str) -> No
     raise cursor.failure(code, expected, hint=hint)
 
 
-_OPERATORS = {operator.value: operator for operator in Operator}
-_EXPECTED_NUMBER = "a number to compare with"
-_EXPECTED_AFTER_CHECK = "'Until', 'For', 'Within' or the end of the condition"
-_UNTIL_WORD = frozenset({TokenKind.UNTIL})
-_EXPECTED_OPERATOR = "a comparison (>, <, >=, <=, = or !=)"
-
-
-def parse_comparison(cursor: Cursor) -> tuple[Operator, float, str]:
-    """The operator, the number behind it, and its spelling."""
-    operator = _operator(cursor)
-    return operator, *parse_number(cursor, "expected-number", _EXPECTED_NUMBER)
-
-
-def parse_until(cursor: Cursor) -> Until | None:
-    """``Until op NUMBER`` behind a check, if it is there."""
-    cursor.mend("expected-connective", _EXPECTED_AFTER_CHECK, _UNTIL_WORD)
-    first = cursor.accept(TokenKind.UNTIL)
-    if first is None:
-        return None
-    operator, value, text = parse_comparison(cursor)
-    return Until(operator=operator, value=value, text=text, span=cursor.span_from(first))
-
-
-def _operator(cursor: Cursor) -> Operator:
-    token = cursor.token
-    if token.kind is _OPERATOR:
-        cursor.advance()
-        return _OPERATORS[token.text]
-    right = closest(token.text, _OPERATORS) if token.kind is TokenKind.FOREIGN else None
-    if right is None:
-        raise cursor.failure("expected-operator", _EXPECTED_OPERATOR)
-    fix = Fix(span=token.span, replacement=right, title=f"write {right}")
-    cursor.report_found("expected-operator", _EXPECTED_OPERATOR, hint=did_you_mean(right), fix=fix)
-    cursor.advance()
-    return _OPERATORS[right]
-
-
 def parse_rate(cursor: Cursor) -> RateExpression:
     """A number of Hz, a tier, ``Full`` or ``Off``."""
     token = cursor.token
@@ -230,6 +230,53 @@ def parse_rate(cursor: Cursor) -> RateExpression:
         raise cursor.failure("expected-rate", _EXPECTED_RATE, hint=hint, fix=fix)
     cursor.advance()
     return RateExpression(value=value, text="", span=token.span)
+
+
+def parse_margin(cursor: Cursor) -> Margin | None:
+    """``.. rate By TOPIC PROPERTY NUMBER .. NUMBER`` behind a rate, if it is there."""
+    first = cursor.accept(TokenKind.RANGE)
+    if first is None:
+        return None
+    to = parse_rate(cursor)
+    cursor.mend("expected-by", _EXPECTED_BY, _BY_WORD)
+    if cursor.accept(TokenKind.BY) is None:
+        raise cursor.failure("expected-by", _EXPECTED_BY, hint=_MARGIN_HINT)
+    topic = parse_read(cursor)
+    name = parse_property(cursor, topic.text)
+    from_value, from_text = parse_number(cursor, "expected-number", "the value at which the first rate holds")
+    if cursor.accept(TokenKind.RANGE) is None:
+        raise cursor.failure("expected-range", "'..' and a second value", hint=_MARGIN_HINT)
+    to_value, to_text = parse_number(cursor, "expected-number", "the value at which the second rate holds")
+    return Margin(
+        to=to,
+        topic=topic,
+        property=name.text,
+        property_span=name.span,
+        from_value=from_value,
+        from_text=from_text,
+        to_value=to_value,
+        to_text=to_text,
+        span=cursor.span_from(first),
+    )
+
+
+def parse_property(cursor: Cursor, topic: str) -> Token:
+    """The word that names a property of ``topic``."""
+    token = cursor.token
+    if token.kind is not _WORD or not is_property(token.text):
+        _refuse_property(cursor, token, topic)
+    return cursor.advance()
+
+
+def _refuse_property(cursor: Cursor, token: Token, topic: str) -> NoReturn:
+    expected = f"a property of '{topic}'"
+    if token.kind in (TokenKind.OPERATOR, TokenKind.NUMBER):
+        hint = f"for instance {topic} age"
+        raise cursor.failure("expected-property", expected, hint=hint)
+    if token.kind is not _WORD:
+        raise cursor.failure("expected-property", expected)
+    hint = "a property is a name such as speed or a field such as pose.pose.position.x or ranges[0]"
+    raise cursor.failure("invalid-property", expected, hint=hint)
 
 
 def parse_bound(cursor: Cursor) -> tuple[float | Tier, str]:

@@ -31,8 +31,11 @@ class PropertySpec:
 MOST = 1e100
 """Numbers beyond this are no measurements, and their squares would overflow."""
 MESSAGE_PREFIX = "msg."
+ANY = "[*]"
+"""Stands for each element of an array."""
 _FIELD = r"[A-Za-z][A-Za-z0-9_]*"
-_PATH = re.compile(rf"{_FIELD}(?:\[\d{{1,9}}\])*(?:\.{_FIELD}(?:\[\d{{1,9}}\])*)*\Z")
+_ELEMENT = r'\[(?:-1|\d{1,9}|\*|"(?:[^"\\\r\n]|\\["\\]){1,200}")\]'
+_PATH = re.compile(rf"{_FIELD}(?:{_ELEMENT})*(?:\.{_FIELD}(?:{_ELEMENT})*)*\Z")
 _STEP = re.compile(rf"({_FIELD})|\[(\d+)\]")
 _NAME = re.compile(r"[^\W\d]\w*\Z")
 

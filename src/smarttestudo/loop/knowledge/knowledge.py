@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value, shown_value
 from smarttestudo.domain.timing import AlarmClock, SteadyTime
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
@@ -240,7 +240,7 @@ class Knowledge:
         watched = self.watched.get(topic)
         return watched is not None and bool(watched.fields)
 
-    def values_of(self, block: int | None, now_ns: int) -> dict[str, float | None]:
+    def values_of(self, block: int | None, now_ns: int) -> dict[str, Value | None]:
         """Values that the condition of the block of that order reads at ``now_ns``, by signal name."""
         if block is None:
             return {}
@@ -250,7 +250,7 @@ class Knowledge:
             for topic in {signal.topic for signal in signals}
             for signal, value in self.watched[topic].readings(now_ns)
         }
-        return {str(signal): values[signal] for signal in signals}
+        return {str(signal): shown_value(values[signal]) for signal in signals}
 
     @property
     def next_wake_ns(self) -> int | None:

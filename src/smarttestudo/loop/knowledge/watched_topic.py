@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import LevelUnit, TopicProfile
 from smarttestudo.domain.rate_meter import SourcePeriod
-from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.domain.signal import ArrivalProperty, Signal, Values
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
 from smarttestudo.language.properties import Reader, value_reader
 from smarttestudo.language.region import Bound
@@ -136,7 +136,7 @@ def _first_age_ns(cut: Bound) -> int:
     return shortest_ns
 
 
-Reading = tuple[Signal, float | None]
+Reading = tuple[Signal, Values | None]
 """A signal's value; ``None`` is unknown."""
 
 

@@ -92,7 +92,7 @@ class RobotChecks:
             for key, value in _values(seen.status):
                 if key not in self._values and len(self._values) < MAX_CHECKS:
                     self._values[key] = _Bins()
-                if key in self._values:
+                if key in self._values and not isinstance(value, str):
                     self._values[key].add(now_s, value, held_until_s=silent_from_s)
             self._turns.forget(now_s - KEPT_S)
 
@@ -257,7 +257,7 @@ def _truths(status: RuntimeStatus) -> Iterator[tuple[_Key, Truth]]:
             yield ("check", (block.file, check.line, check.column)), check.state
 
 
-def _values(status: RuntimeStatus) -> Iterator[tuple[_Key, float | None]]:
+def _values(status: RuntimeStatus) -> Iterator[tuple[_Key, float | str | None]]:
     for block in status.blocks:
         for check in block.checks:
             yield ("check", (block.file, check.line, check.column)), check.value

@@ -196,7 +196,7 @@ def _place_of(seen: SeenRobot) -> tuple[str, float, float] | None:
         for check in block.checks:
             written = seen.words.checks.get((block.file, check.line, check.column))
             axis = None if written is None else axis_of(written.property)
-            if written is not None and axis is not None and check.value is not None:
+            if written is not None and axis is not None and isinstance(check.value, float):
                 place = found.setdefault(written.topic, {})
                 place[axis] = check.value
                 if len(place) == 2:

@@ -13,7 +13,14 @@ from smarttestudo.domain.parameter import Refusals, Values
 from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots, RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import Block, Operator, checks_in
+from smarttestudo.language.syntax import (
+    Block,
+    Compared,
+    Operator,
+)
+from smarttestudo.language.syntax_walks import (
+    checks_in,
+)
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
@@ -30,7 +37,7 @@ class RobotCheck:
     topic: str
     property: str
     op: Operator
-    limit: float
+    limit: Compared
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -18,12 +18,18 @@ from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.editing import Document
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.rule_set import RuleSet, compile_rules
-from smarttestudo.language.syntax import Block, SetFrequency, sets_in
+from smarttestudo.language.syntax import (
+    Block,
+    SetFrequency,
+)
+from smarttestudo.language.syntax_walks import (
+    sets_in,
+)
 from smarttestudo.optimizer.explanation import Change, Infeasibility, change_text
 from smarttestudo.optimizer.joint import check_together, loads_of, missing_entries
 from smarttestudo.optimizer.model import Model
@@ -202,7 +208,7 @@ class SituationLoad(Struct, frozen=True, kw_only=True):
     kind: SituationKind
     title: str
     rules: tuple[str, ...]
-    state: dict[str, float]
+    state: dict[str, float | str]
     loads: tuple[TopicLoad, ...]
     kb_per_s: float
     feasible: bool
@@ -277,7 +283,7 @@ def _situation(
     *,
     feasible: bool,
     rules: tuple[str, ...],
-    state: Mapping[Signal, float] = MappingProxyType({}),
+    state: Mapping[Signal, Value] = MappingProxyType({}),
 ) -> SituationLoad:
     known = tuple(loads)
     return SituationLoad(

@@ -11,24 +11,29 @@ from typing import TypedDict
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
-from smarttestudo.language.formatter import number_text
+from smarttestudo.language.formatter import number_text, value_text
+from smarttestudo.language.parser.comparisons import written_value
 from smarttestudo.language.parser.values import duration_ns
 from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
+    CallService,
     Check,
+    Compared,
     Condition,
     Duration,
     Group,
     KeepAtLeast,
     KeepWithin,
     Not,
+    Notify,
     Or,
     RateExpression,
     RateWord,
     RecordIncident,
     SetFrequency,
+    SetParameter,
     Statement,
     Timed,
     TopicName,
@@ -144,7 +149,7 @@ class StatementWriter:
                     topic=condition.topic.text,
                     property=condition.property,
                     op=condition.operator,
-                    value=condition.value,
+                    value=_value(condition.value),
                     until=_until(condition.until),
                     offset=start - base,
                     end_offset=end - base,
@@ -176,6 +181,8 @@ def _action(one: Action, place: _Place) -> page.Action:
                 after=_duration(one.after),
                 **place,
             )
+        case SetParameter() | CallService() | Notify():
+            raise NotImplementedError
 
 
 def _set_frequency(one: SetFrequency, place: _Place) -> page.SetStatement:
@@ -186,12 +193,16 @@ def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
     return page.WithinStatement(topic=one.topic.text, property=one.property, bound=one.bound, **place)
 
 
+def _value(value: Compared) -> float | str:
+    return value if isinstance(value, float) else value_text(value)
+
+
 def _duration(duration: Duration) -> page.DurationValue:
     return page.DurationValue(value=float(duration.text), unit=duration.unit)
 
 
 def _until(until: Until | None) -> page.UntilValue | None:
-    return None if until is None else page.UntilValue(op=until.operator, value=until.value)
+    return None if until is None else page.UntilValue(op=until.operator, value=_value(until.value))
 
 
 def new_statement(model: page.Statement) -> NewStatement:
@@ -265,7 +276,21 @@ def _read_duration(model: page.DurationValue) -> Duration:
 
 
 def _read_until(model: page.UntilValue | None) -> Until | None:
-    return None if model is None else Until(operator=model.op, value=model.value, text="", span=_NOWHERE)
+    return (
+        None
+        if model is None
+        else Until(operator=model.op, value=_read_value(model.value), text="", span=_NOWHERE)
+    )
+
+
+def _read_value(value: float | str) -> Compared:
+    """Raises ``EditError`` for a text that no rule file can compare with."""
+    if isinstance(value, float):
+        return value
+    read = written_value(value)
+    if read is None:
+        raise EditError(f"{value[:40]} is no text in quotes, constant, true or false")
+    return read
 
 
 def _topic(name: str) -> TopicName:
@@ -280,7 +305,7 @@ def _read_condition(model: page.Condition) -> Condition:
                 property=model.property,
                 property_span=_NOWHERE,
                 operator=model.op,
-                value=model.value,
+                value=_read_value(model.value),
                 text="",
                 span=_NOWHERE,
                 until=_read_until(model.until),

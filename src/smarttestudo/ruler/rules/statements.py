@@ -50,7 +50,7 @@ class UntilValue(Struct, frozen=True, kw_only=True):
     """``Until op value`` behind a check: what ends it."""
 
     op: Operator
-    value: float
+    value: float | str
 
 
 class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="check"):
@@ -59,7 +59,7 @@ class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="c
     topic: str
     property: str
     op: Operator
-    value: float
+    value: float | str
     until: UntilValue | None = None
     offset: int = 0
     end_offset: int = 0

@@ -36,7 +36,16 @@ from smarttestudo.editing.zones import (
 )
 from smarttestudo.editing.zones.cover import MAX_RECTANGLES
 from smarttestudo.language.formatter import check_text
-from smarttestudo.language.syntax import Block, RateExpression, RateWord, SetFrequency, TopicName, sets_in
+from smarttestudo.language.syntax import (
+    Block,
+    RateExpression,
+    RateWord,
+    SetFrequency,
+    TopicName,
+)
+from smarttestudo.language.syntax_walks import (
+    sets_in,
+)
 from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.document import CheckedText, CheckedTexts, Draft
 

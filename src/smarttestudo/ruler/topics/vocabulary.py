@@ -23,6 +23,8 @@ from smarttestudo.language.properties import (
 from smarttestudo.language.syntax import (
     Block,
     Statement,
+)
+from smarttestudo.language.syntax_walks import (
     bounds_in,
     checks_in,
     records_in,

@@ -178,7 +178,8 @@ class _ValueWatch:
 
     def _read(self, loop: RelayLoop, now_ns: int) -> float | None:
         readings = loop.knowledge.watched[self._signal.topic].readings(loop.knowledge.time.at(now_ns))
-        return dict(readings)[self._signal]
+        value = dict(readings)[self._signal]
+        return value if isinstance(value, float) else None
 
 
 def _signal_of(rule_set: RuleSet) -> Signal:
