@@ -73,7 +73,7 @@ DURATIONS = tuple(
         ("+2.50", DurationUnit.MINUTES, 150_000_000_000),
     )
 )
-NOT_MEANING = frozenset({"span", "property_span", "label", "path"})
+NOT_MEANING = frozenset({"span", "property_span", "parameter_span", "label", "path"})
 
 
 def bare(node: object) -> object:

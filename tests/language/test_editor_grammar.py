@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 
-from language.rule_strategies import rule_files
+from language.wide_rules import wide_rule_files
 from smarttestudo.cli.finding_text import finding_lines
 from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.rate import Tier
@@ -37,6 +37,7 @@ SCOPES: Mapping[TokenKind, tuple[str, ...]] = {
     TokenKind.NUMBER: ("constant.numeric",),
     TokenKind.STRING: ("string.quoted.double",),
     TokenKind.OPERATOR: ("keyword.operator.comparison",),
+    TokenKind.RANGE: ("keyword.operator.range",),
     TokenKind.OPEN: ("punctuation.section.parens",),
     TokenKind.CLOSE: ("punctuation.section.parens",),
 }
@@ -94,7 +95,7 @@ def test_an_editor_shows_the_words_of_a_rule_file_as_what_they_are(path: Path) -
     assert list(miscoloured(path.read_text(encoding="utf-8"))) == []
 
 
-@given(rule_files())
+@given(wide_rule_files())
 def test_an_editor_shows_the_words_of_any_rule_file_as_what_they_are(file: RuleFile) -> None:
     assert list(miscoloured(format_file(file))) == []
 

@@ -12,13 +12,14 @@ from random import Random
 
 from hypothesis import strategies as st
 
-from language.rule_strategies import rule_files
+from language.wide_rules import wide_rule_files
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.parser.lexer import KEYWORDS
+from smarttestudo.language.parser.lexer import KEYWORDS, NEVER_GLUED
 from smarttestudo.language.syntax import (
     Action,
     And,
     Block,
+    CallService,
     Check,
     Condition,
     DurationUnit,
@@ -30,6 +31,7 @@ from smarttestudo.language.syntax import (
     RecordIncident,
     RuleFile,
     SetFrequency,
+    SetParameter,
     Statement,
     Timed,
 )
@@ -57,7 +59,7 @@ class WrittenFile:
 @st.composite
 def written_files(draw: st.DrawFn, *, max_statements: int = 5) -> WrittenFile:
     """A rule file in any layout, with comments anywhere."""
-    tree = draw(rule_files(max_statements=max_statements))
+    tree = draw(wide_rule_files(max_statements=max_statements))
     words = words_of(tree)
     text, owners = lay_out(words, Random(draw(seeds())))
     return WrittenFile(text=text, tree=tree, words=words, comment_owners=owners)
@@ -102,7 +104,15 @@ class _Speller:
             unit = ["Hz"] if statement.rate.has_unit else []
             value = statement.rate.value
             rate = value.value if isinstance(value, Enum) else statement.rate.text
-            yield from _owned([keyword, statement.topic.text, rate, *unit], owner)
+            yield from _owned([keyword, statement.topic.text, rate, *unit, *_margin_words(statement)], owner)
+        elif isinstance(statement, SetParameter):
+            words = [statement.node.text, statement.parameter, statement.text]
+            yield from _owned(["SetParameter", *words], owner)
+        elif isinstance(statement, CallService):
+            argument = [] if statement.argument is None else [str(statement.argument).lower()]
+            yield from _owned(["Call", statement.service.text, *argument], owner)
+        else:
+            yield from _owned(["Notify", _quoted(statement.text)], owner)
 
     def _block(self, block: Block, owner: int) -> Iterator[Word]:
         if block.is_disabled:
@@ -120,6 +130,19 @@ class _Speller:
             yield from self._statement(statement)
         if block.has_end_if:
             yield Word(text="EndIf", owner=owner)
+
+
+def _margin_words(statement: SetFrequency | KeepAtLeast) -> list[str]:
+    margin = statement.margin if isinstance(statement, SetFrequency) else None
+    if margin is None:
+        return []
+    value = margin.to.value
+    end = [
+        value.value if isinstance(value, Enum) else margin.to.text,
+        *(["Hz"] if margin.to.has_unit else []),
+    ]
+    read = [margin.topic.text, margin.property]
+    return ["..", *end, "By", *read, margin.from_text, "..", margin.to_text]
 
 
 def _quoted(name: str) -> str:
@@ -186,10 +209,12 @@ _UNITS = ("Hz", *(unit.value for unit in DurationUnit))
 
 
 def _may_touch(first: str, second: str) -> bool:
+    if {first, second} & {kind.value for kind in NEVER_GLUED}:
+        return False
     if first in KEYWORDS and (second in KEYWORDS or second.startswith("/")):
         return True
     return not (_is_of_word(first[-1:]) and _is_of_word(second[:1])) or second in _UNITS
 
 
 def _is_of_word(character: str) -> bool:
-    return character.isalnum() or (character != "" and character in "_~/.+-[]")
+    return character.isalnum() or (character != "" and character in "_~/.+-[]*@")

@@ -113,14 +113,17 @@ class Token(NamedTuple):
         return Span(self.line, column, self.line, column)
 
 
-_NEVER_GLUED = frozenset({TokenKind.SET_PARAMETER, TokenKind.CALL, TokenKind.NOTIFY, TokenKind.BY})
+NEVER_GLUED = frozenset({TokenKind.SET_PARAMETER, TokenKind.CALL, TokenKind.NOTIFY, TokenKind.BY})
 """The thesis, whose files have keywords without blanks between, has none of these."""
-_KEYWORD = re.compile("|".join(word for word, kind in KEYWORDS.items() if kind not in _NEVER_GLUED))
+_KEYWORD = re.compile("|".join(word for word, kind in KEYWORDS.items() if kind not in NEVER_GLUED))
 _GLUED = re.compile(rf"(?P<keywords>(?:{_KEYWORD.pattern})+)(?P<topic>/.*)?\Z", re.DOTALL)
 _SIGNS = frozenset("<>=!≤≥≠")
 # Below Python 3.12, looking a member up in its enum costs as much as a call.
 _WORD, _CHECK_VALUE = TokenKind.WORD, TokenKind.CHECK_VALUE
 _TIERS = frozenset(tier.value for tier in Tier)
+_BEFORE_TOPICS = tuple(
+    kind.value for kind in (TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, TokenKind.KEEP_WITHIN)
+)
 _BEFORE_TOPIC = frozenset({TokenKind.SET_FREQUENCY, TokenKind.KEEP_AT_LEAST, _CHECK_VALUE})
 
 
@@ -194,10 +197,8 @@ def _parts(token: Token, words: Sequence[str]) -> list[Token]:
 _STRING = r'" [^"\\\r\n]* (?: \\[^\r\n] [^"\\\r\n]* )* "'
 _ELEMENT = rf"(?<=\[) (?: {_STRING} | \* ) \] [\w~.\[\]-]*"
 """An element by its name, or any: the rest of a word behind its ``[``."""
-_AFTER_TOPICS = "|".join([*_TIERS, "Full", "Off", "Before"])
-_AFTER_STARS = rf"/[\w*~] | [^\S\r\n]+ (?: [+-]?\.?[0-9] | / | (?:{_AFTER_TOPICS})\b )"
-_FIRST_STARS = rf"/ \*{{1,2}} (?= {_AFTER_STARS} )"
-"""``/*`` that is no comment of another language: more of a name follows, or what follows a topic."""
+_FIRST_STARS = r"/ \*{1,2} (?= /[\w*~])"
+_STARS = re.compile(r"/\*{1,2}(?=\s|\Z)")
 _PATTERN = re.compile(
     rf"""[^\S\r\n]* (?:
       (?P<word>    (?: (?!\d) [\w~] | @ (?=\w) | / (?![/*]) | {_FIRST_STARS} ) [\w~.\[\]-]*
@@ -243,17 +244,19 @@ def tokenize(text: str) -> list[Token]:
     comments: list[Comment] = []
     line, line_start = 1, -1
     newlines = -len(text) - 1  # The first word starts its line, and no line above it counts as empty.
-    for match in _PATTERN.finditer(text):
-        group = match.lastgroup
-        if group is None:
-            break
+    position = 0
+    while (match := _PATTERN.match(text, position)) and (group := match.lastgroup):
+        position = match.end()
         if group == "newline":
             line += 1
-            line_start = match.end() - 1
+            line_start = position - 1
             newlines += 1
             continue
         word = match[group]
-        column = match.end() - len(word) - line_start
+        column = position - len(word) - line_start
+        if group == "comment" and (stars := _STARS.match(word)) and _wants_topics(tokens):
+            position -= len(word) - stars.end()
+            group, word = "word", stars[0]
         if group == "comment":
             span = Span(line, column, line, column + len(word.rstrip()))
             comment = Comment(text=word.rstrip(), span=span, own_line=newlines != 0, blank_above=newlines > 1)
@@ -276,6 +279,13 @@ def tokenize(text: str) -> list[Token]:
         Token(TokenKind.END_OF_FILE, "", line, column, newlines != 0, newlines > 1, tuple(comments))
     )
     return without_glue(tokens)
+
+
+def _wants_topics(tokens: Sequence[Token]) -> bool:
+    """Whether a topic is next, so that ``/*`` is a pattern and no comment of another language."""
+    if not tokens or tokens[-1].kind is not TokenKind.STRING:
+        return bool(tokens) and tokens[-1].text.endswith(_BEFORE_TOPICS)
+    return len(tokens) > 1 and tokens[-2].kind is TokenKind.RECORD
 
 
 def _put_beside(tokens: list[Token], comment: Comment) -> None:
