@@ -52,7 +52,7 @@ def tier_without_rate(rules: RuleModel) -> Iterator[Found]:
 
 def _tiers(rates: Iterable[ResolvedRate]) -> Iterator[tuple[ResolvedRate, Tier]]:
     """Rates among ``rates`` that are tiers."""
-    return ((rate, tier) for rate in rates if isinstance(tier := rate.statement.rate.value, Tier))
+    return ((rate, tier) for rate in rates if isinstance(tier := rate.statement.highest.value, Tier))
 
 
 @lint_rule("two-defaults", Severity.WARNING)
@@ -178,7 +178,7 @@ def _thinned(rules: RuleModel) -> Iterator[tuple[ResolvedRate, str]]:
 
 
 def _rate_text(rate: ResolvedRate) -> str:
-    level = rate.statement.rate.value
+    level = rate.statement.highest.value
     return level.value if isinstance(level, Tier) else str(rate.rate)
 
 

@@ -115,7 +115,9 @@ def _statement(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleMode
 
 def _rate(topic: str, settings: Mapping[str, ResolvedRate], rules: RuleModel) -> Rate | None:
     setting = settings.get(topic) or rules.defaults.get(topic)
-    return Rate.full() if setting is None else setting.rate
+    if setting is None:
+        return Rate.full()
+    return None if setting.margin is not None else setting.rate
 
 
 def _off_grid(info: str, image: str, rates: tuple[Rate | None, Rate | None], here: ResolvedRate) -> Found:

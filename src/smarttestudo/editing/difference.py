@@ -10,7 +10,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing.document import condition_meaning, meaning
-from smarttestudo.language.formatter import number_text
+from smarttestudo.language.formatter import margin_text, number_text
 from smarttestudo.language.parser import ParseResult
 from smarttestudo.language.syntax import (
     Action,
@@ -44,7 +44,7 @@ def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
 
 def _meaning(result: ParseResult) -> object:
     statements = result.file.statements
-    defaults = {one.topic.text: one.rate.value for one in statements if isinstance(one, SetFrequency)}
+    defaults = {one.topic.text: meaning(one) for one in statements if isinstance(one, SetFrequency)}
     blocks = Counter(meaning(one) for one in statements if isinstance(one, Block))
     return result.is_valid, defaults, _floors_hz(result), _always_bounds(result), blocks
 
@@ -64,7 +64,7 @@ def _differences(old: ParseResult, new: ParseResult) -> Iterator[str]:
 
 def _defaults(result: ParseResult) -> _Rates:
     statements = (one for one in result.file.statements if isinstance(one, SetFrequency))
-    return {one.topic.text: _text(one.rate) for one in statements}
+    return {one.topic.text: _set_text(one) for one in statements}
 
 
 def _floors(result: ParseResult) -> _Rates:
@@ -138,7 +138,7 @@ def _block(name: str, old: Block, new: Block) -> Iterator[str]:
 
 def _branch(actions: Sequence[Action]) -> _Rates:
     """The rates by topic, and the bounds by topic and property."""
-    rates = {one.topic.text: _text(one.rate) for one in sets_in(actions)}
+    rates = {one.topic.text: _set_text(one) for one in sets_in(actions)}
     return {**rates, **_bounds(bounds_in(actions))}
 
 
@@ -167,6 +167,11 @@ def _change(before: str | None, after: str | None) -> str:
     if before.endswith(" Hz") and after.endswith(" Hz"):
         before = before.removesuffix(" Hz")
     return f"{before} → {after}"
+
+
+def _set_text(statement: SetFrequency) -> str:
+    margin = statement.margin
+    return f"{_text(statement.rate)}{'' if margin is None else f' {margin_text(margin)}'}"
 
 
 def _text(rate: RateExpression) -> str:

@@ -26,6 +26,7 @@ from smarttestudo.language.syntax import (
     Condition,
     Constant,
     Group,
+    Margin,
     Not,
     Operator,
     Or,
@@ -208,6 +209,12 @@ def read_check(check: Check, resolve: Resolve, types: KnownTypes = NO_TYPES) -> 
     return ReadCheck(
         signal=signal, region=region, latch=LastSeen(signal, common(region, off.complement()), off)
     )
+
+
+def margin_signal(margin: Margin, resolve: Resolve) -> Signal:
+    """The signal that a rate goes by."""
+    name = margin.topic.text
+    return Signal(name if is_source(name) else resolve(name), margin.property)
 
 
 def signal_of(check: Check, resolve: Resolve, types: KnownTypes = NO_TYPES) -> Signal:

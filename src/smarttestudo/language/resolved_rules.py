@@ -15,6 +15,7 @@ from smarttestudo.language.normal_form import (
     Form,
     LastSeen,
     Resolve,
+    margin_signal,
     negation,
     normal_form,
     read_check,
@@ -43,12 +44,16 @@ from smarttestudo.language.text_region import SetOfValues
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedRate:
-    """A SetFrequency; ``rate`` is ``None`` for a tier."""
+    """A SetFrequency; ``rate`` is ``None`` for a tier, of one with a ``margin`` the higher end.
+
+    ``margin`` is the signal that it goes by.
+    """
 
     path: str
     topic: str
     statement: SetFrequency
     rate: Rate | None
+    margin: Signal | None = None
 
     @property
     def span(self) -> Span:
@@ -149,8 +154,9 @@ class Branch:
         return f"{self.block.block.label} (Else)" if self.is_else else self.block.block.label
 
     def rate(self, topic: str) -> Rate | None:
-        """The rate that it sets ``topic`` to, ``None`` for a tier."""
-        return self.settings[topic].rate
+        """The rate that it sets ``topic`` to, ``None`` for a tier or one that goes by a margin."""
+        setting = self.settings[topic]
+        return None if setting.margin is not None else setting.rate
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -201,15 +207,6 @@ def resolve_rules(
         blocks=tuple(reader.blocks),
         branches=tuple(reader.branches),
     )
-
-
-def _highest(statement: SetFrequency) -> Rate | None:
-    """The rate, of one with a margin the higher end; ``None`` where a tier is in it."""
-    rate = statement.rate.rate
-    if statement.margin is None:
-        return rate
-    other = statement.margin.to.rate
-    return None if rate is None or other is None else max(rate, other)
 
 
 class _Reader:
@@ -279,7 +276,13 @@ class _Reader:
 
     def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
         topic = self._full_name(statement.topic.text)
-        rate = ResolvedRate(path=path, topic=topic, statement=statement, rate=_highest(statement))
+        rate = ResolvedRate(
+            path=path,
+            topic=topic,
+            statement=statement,
+            rate=statement.highest.rate,
+            margin=None if statement.margin is None else margin_signal(statement.margin, self._full_name),
+        )
         self.rates.append(rate)
         return rate
 

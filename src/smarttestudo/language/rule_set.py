@@ -17,6 +17,7 @@ from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal, Values
 from smarttestudo.domain.timing import Yield, yielding
 from smarttestudo.language.known_types import NO_TYPES, KnownTypes
+from smarttestudo.language.margin_rate import MarginRate
 from smarttestudo.language.normal_form import (
     Every,
     Form,
@@ -42,6 +43,7 @@ from smarttestudo.language.syntax import (
     CallService,
     KeepWithin,
     Notify,
+    RateExpression,
     RateWord,
     RuleFile,
     SetFrequency,
@@ -111,7 +113,8 @@ class WrittenTime:
 class RuleBlock:
     """A condition with the rates it sets; an ``Else`` is one of its own with the negated condition.
 
-    ``bounds`` are those of the receiver's picture that it sets, by topic and property. ``order`` is its place
+    ``margins`` are the rates that go by a value, of which ``rates`` has the higher end. ``bounds`` are those
+    of the receiver's picture that it sets, by topic and property. ``order`` is its place
     among all blocks of the rule set, ``line`` and ``column`` those in file number ``file``; ``recordings``
     begin and ``acts`` are done when it begins to hold. ``name`` is the one that is written, if one is; a
     ``label`` may say the line. ``checks`` and ``times`` are those of the condition as they are written, which
@@ -128,6 +131,7 @@ class RuleBlock:
     priority: int
     form: Form
     rates: Mapping[str, Rate]
+    margins: Mapping[str, MarginRate] = field(default_factory=dict)
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     recordings: tuple[RecordRequest, ...] = ()
     acts: tuple[ActRequest, ...] = ()
@@ -155,10 +159,11 @@ class RuleSet:
     blocks: tuple[RuleBlock, ...]
     default_reason: Reason = Reason.DEFAULT
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    default_margins: Mapping[str, MarginRate] = field(default_factory=dict)
     relayed: tuple[str, ...] = field(init=False, compare=False)
     """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
     signals: frozenset[Signal] = field(init=False, compare=False)
-    """Everything that checks read."""
+    """Everything that checks and margins read."""
 
     def __post_init__(self) -> None:
         """Find what is asked for again and again, and costs a walk over all blocks."""
@@ -168,7 +173,8 @@ class RuleSet:
         object.__setattr__(self, "relayed", tuple(names))
         signals: set[Signal] = set()
         for block in self.blocks:
-            signals.update(signals_of(block.form))
+            signals.update(signals_of(block.form), (margin.signal for margin in block.margins.values()))
+        signals.update(margin.signal for margin in self.default_margins.values())
         object.__setattr__(self, "signals", frozenset(signals))
 
     @property
@@ -225,7 +231,7 @@ class RefusedTiers:
 
     def tier_rate(self, statement: SetFrequency, path: str, /) -> Rate:
         """Raises ``RuleFileError``."""
-        raise _no_profile(statement.rate.value, "rate", statement.span, path)
+        raise _no_profile(statement.highest.value, "rate", statement.span, path)
 
     def tier_bound(self, statement: KeepWithin, path: str, /) -> float:
         """Raises ``RuleFileError``."""
@@ -264,11 +270,13 @@ class _Compiler:
         self._regions: dict[InRegion, InRegion] = {}
         self._rates: dict[tuple[tuple[str, Rate], ...], Mapping[str, Rate]] = {}
         self._no_bounds: Mapping[str, Mapping[str, float]] = {}
+        self._no_margins: Mapping[str, MarginRate] = {}
 
     def rule_set(self, files: Sequence[RuleFile]) -> RuleSet:
         resolved = resolve_rules(files, self._resolve, self._types)
         rules = RuleSet(
-            defaults={default.topic: self._rate(default) for default in resolved.written_defaults},
+            defaults={topic: self._rate(default) for topic, default in resolved.defaults.items()},
+            default_margins=self._margins(resolved.defaults),
             default_lines={topic: one.span.line for topic, one in resolved.defaults.items()},
             floors_hz=resolved.floors_hz,
             blocks=tuple(map(self._block, resolved.branches)),
@@ -322,6 +330,7 @@ class _Compiler:
             priority=resolved.priority,
             form=self._shared_form(branch.form),
             rates=self._rates.setdefault(tuple(rates.items()), rates),
+            margins=self._margins(branch.settings) or self._no_margins,
             bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
             acts=tuple(map(self._act_request, branch.acts)),
@@ -354,7 +363,21 @@ class _Compiler:
         return found
 
     def _rate(self, rate: ResolvedRate) -> Rate:
-        return self._tiers.tier_rate(rate.statement, rate.path) if rate.rate is None else rate.rate
+        return self._end(rate, rate.statement.highest)
+
+    def _end(self, rate: ResolvedRate, end: RateExpression) -> Rate:
+        return end.rate or self._tiers.tier_rate(replace(rate.statement, rate=end, margin=None), rate.path)
+
+    def _margins(self, settings: Mapping[str, ResolvedRate]) -> Mapping[str, MarginRate]:
+        return {topic: self._margin(rate) for topic, rate in settings.items() if rate.margin is not None}
+
+    def _margin(self, rate: ResolvedRate) -> MarginRate:
+        statement, signal = rate.statement, rate.margin
+        assert statement.margin is not None and signal is not None  # noqa: PT018
+        places = [statement.margin.from_value, statement.margin.to_value]
+        ends = [self._end(rate, end) for end in statement.ends]
+        (low, low_at), (high, high_at) = sorted(zip(ends, places, strict=True), key=lambda end: end[0])
+        return MarginRate(signal=signal, low=low, high=high, low_at=low_at, high_at=high_at)
 
 
 def _record_request(record: ResolvedRecord) -> RecordRequest:

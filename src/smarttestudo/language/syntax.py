@@ -7,6 +7,7 @@ Fields that hold comments and blank lines do not count when trees are compared.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -125,6 +126,13 @@ class RateExpression:
         if isinstance(self.value, RateWord):
             return Rate.full() if self.value is RateWord.FULL else Rate.off()
         return Rate(self.value)
+
+
+def _height(rate: RateExpression) -> float:
+    """Ranks rates, or levels, among each other."""
+    if isinstance(rate.value, Tier):
+        return rate.value.level
+    return math.inf if rate.value is RateWord.FULL else rate.rate.hz if rate.rate else 0.0
 
 
 class TimeWord(Enum):
@@ -261,6 +269,16 @@ class SetFrequency:
     span: Span
     margin: Margin | None = None
     trivia: Trivia = field(default=NO_TRIVIA, compare=False, repr=False)
+
+    @property
+    def ends(self) -> tuple[RateExpression, ...]:
+        """The rates between which it goes, in their order; without a margin the one."""
+        return (self.rate,) if self.margin is None else (self.rate, self.margin.to)
+
+    @property
+    def highest(self) -> RateExpression:
+        """The higher of its ends."""
+        return max(self.ends, key=_height)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -64,8 +64,7 @@ def tiers_in(statement: Statement) -> Iterator[tuple[Span, Tier]]:
     for action in actions:
         match action:
             case SetFrequency():
-                ends = (action.rate, *([] if action.margin is None else [action.margin.to]))
-                yield from ((rate.span, rate.value) for rate in ends if isinstance(rate.value, Tier))
+                yield from ((rate.span, rate.value) for rate in action.ends if isinstance(rate.value, Tier))
             case KeepWithin(bound=Tier() as tier):
                 yield bound_span(action), tier
             case _:

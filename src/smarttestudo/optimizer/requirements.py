@@ -156,7 +156,7 @@ class _Collector:
 
     def _default_rates(self) -> dict[str, _WrittenRate]:
         """The defaults of all relayed topics, those that are written first."""
-        rates = {one.topic: one.statement.rate.value for one in self._rules.written_defaults}
+        rates = {one.topic: one.statement.highest.value for one in self._rules.written_defaults}
         named = [topic for branch in self._rules.branches for topic in branch.settings]
         named += [one.topic for branch in self._rules.branches for one in branch.bounds]
         for topic in (*self._floors_hz, *self._bounds, *named):
@@ -197,7 +197,7 @@ class _Collector:
 
     def _side(self, branch: Branch, defaults: Subproblem) -> Subproblem | None:
         """The subproblem of one side of a block; ``None`` where it requires nothing."""
-        rates = {topic: one.statement.rate.value for topic, one in branch.settings.items()}
+        rates = {topic: one.statement.highest.value for topic, one in branch.settings.items()}
         own = _tightest(branch.bounds)
         draft = _Draft(branch.label, branch.block.path, branch.block.block.span)
         for topic in dict.fromkeys([*rates, *own]):
@@ -270,9 +270,11 @@ class _Collector:
         ceilings_hz: list[tuple[StatementKey, float]] = []
         unmeasured: list[tuple[StatementKey, float]] = []
         for rate in rates:
-            tier, key = rate.statement.rate.value, (rate.path, rate.statement.rate.span)
-            if isinstance(tier, Tier):
-                if rate.topic in draft.bound_topics:
+            for end in rate.statement.ends:
+                tier, key = end.value, (rate.path, end.span)
+                if not isinstance(tier, Tier):
+                    continue
+                if rate.topic in draft.bound_topics or end is not rate.statement.highest:
                     ceilings_hz.append((key, self._ceiling_hz(rate.topic, tier)))
                 else:
                     tier_statements.append((key, rate.topic))

@@ -70,7 +70,7 @@ def readable_rates(texts: Mapping[str, str], resolve: Resolve) -> ReadableRates:
         for statement in parse(text, path).file.enabled_statements:
             if not isinstance(statement, SetFrequency | KeepAtLeast):
                 continue
-            rate = statement.rate.rate
+            rate = statement.highest.rate if isinstance(statement, SetFrequency) else statement.rate.rate
             if rate is None or not (rate.is_full or 0 <= rate.hz <= MAX_RATE_HZ):
                 continue
             with suppress(TestudoError):

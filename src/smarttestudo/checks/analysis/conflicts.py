@@ -125,7 +125,8 @@ def redundant_rates(
     They can be removed all at once: what is asked of a rate is asked of others that differ from the default.
     Ends when ``effort`` is spent.
     """
-    alike = _alike({topic: default.rate for topic, default in defaults.items()}, possible)
+    fixed = {topic: default.rate for topic, default in defaults.items() if default.margin is None}
+    alike = _alike(fixed, possible)
     rivals = _rivals(branches, {setting.topic for _, setting in alike}, floors) if alike else {}
     try:
         for branch, setting in alike:
@@ -153,7 +154,7 @@ def _alike(
         (branch, setting)
         for branch in branches
         for topic, setting in branch.settings.items()
-        if setting.rate is not None and setting.rate == rates.get(topic)
+        if setting.margin is None and setting.rate is not None and setting.rate == rates.get(topic)
     ]
 
 

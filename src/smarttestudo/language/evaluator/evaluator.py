@@ -4,20 +4,15 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, insort
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from collections.abc import Set as AbstractSet
-from dataclasses import dataclass, replace
-from typing import Any
 
-from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
-from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.signal import Signal, SignalKind, Truth, Values
 from smarttestudo.domain.timing import Yield, never_yield, yielding
+from smarttestudo.language.evaluator.arbiter import RequestedRate, Steps, arbiters_of
 from smarttestudo.language.evaluator.graph import Graph, Propagation
 from smarttestudo.language.evaluator.literal import (
-    TRUE,
-    UNKNOWN,
     Latch,
     Leaf,
     Literal,
@@ -28,189 +23,6 @@ from smarttestudo.language.normal_form import HeldTime, LastSeen, signals_of
 from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.region import Bound
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RequestedRate:
-    """The rate that the rules ask for now, and the order of the deciding block where a block decides."""
-
-    planned: PlannedRate
-    block: int | None
-
-
-class Ranking:
-    """The blocks that set one thing and are true or unknown, kept sorted so that the best is at hand.
-
-    A block's rank is its place by (priority, merit, earliest in the file first); it never changes.
-    """
-
-    __slots__ = ("_blocks", "_merit", "_true", "_unknown", "rank_of")
-
-    def __init__(self, blocks: Iterable[RuleBlock], merit: Callable[[RuleBlock], Any]) -> None:
-        def placed(block: RuleBlock) -> tuple[Any, int]:
-            return merit(block), -block.order
-
-        self._merit = placed
-        self._blocks = sorted(blocks, key=lambda block: (block.priority, *self._merit(block)))
-        self.rank_of = {block.order: rank for rank, block in enumerate(self._blocks)}
-        self._true: list[int] = []
-        self._unknown: dict[int, list[int]] = {}
-        for rank, block in enumerate(self._blocks):
-            self._unknown.setdefault(block.priority, []).append(rank)
-
-    def move(self, rank: int, before: int, after: int) -> None:
-        """The block of ``rank`` went from one truth to another."""
-        self._drop(rank, before)
-        if after == TRUE:
-            insort(self._true, rank)
-        elif after == UNKNOWN:
-            insort(self._unknown.setdefault(self._blocks[rank].priority, []), rank)
-
-    @property
-    def known(self) -> RuleBlock | None:
-        """The best of the highest priority among those that are known to hold."""
-        return self._blocks[self._true[-1]] if self._true else None
-
-    def best_unknown(self, known: RuleBlock | None) -> RuleBlock | None:
-        """The best unknown block among those that could overrule ``known``."""
-        candidates = (
-            self._blocks[ranks[-1]]
-            for priority, ranks in self._unknown.items()
-            if known is None or priority >= known.priority
-        )
-        return max(candidates, key=self._merit, default=None)
-
-    def _drop(self, rank: int, truth: int) -> None:
-        if truth == TRUE:
-            del self._true[bisect_left(self._true, rank)]
-        elif truth == UNKNOWN:
-            priority = self._blocks[rank].priority
-            ranks = self._unknown[priority]
-            del ranks[bisect_left(ranks, rank)]
-            if not ranks:
-                del self._unknown[priority]
-
-
-class RateArbiter:
-    """Which rate the rules ask for one topic."""
-
-    __slots__ = ("_default", "_default_reason", "_floor_hz", "_topic", "ranking")
-
-    def __init__(self, topic: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
-        self._topic = topic
-        self._default = rule_set.defaults.get(topic, Rate.full())
-        self._default_reason = rule_set.default_reason
-        self._floor_hz = rule_set.floors_hz.get(topic, 0.0)
-
-        def merit(block: RuleBlock) -> tuple[float, bool]:
-            # As rates order, and much faster to compare.
-            rate = block.rates[topic]
-            return rate.hz, rate.yields_to_floor
-
-        self.ranking = Ranking(blocks, merit)
-
-    def request(self) -> RequestedRate:
-        """Rules 3 to 6 of the language: priority, then rate; in doubt more; never below the floor."""
-        known = self.ranking.known
-        rate = known.rates[self._topic] if known else self._default
-        reason = Reason.BLOCK if known else self._default_reason
-        doubt = self.ranking.best_unknown(known)
-        if doubt and doubt.rates[self._topic] > rate:
-            known, rate, reason = doubt, doubt.rates[self._topic], Reason.UNKNOWN
-        raised = rate.at_least(self._floor_hz)
-        if raised is not rate:
-            reason = Reason.FLOOR
-        planned = PlannedRate(
-            rate=raised,
-            reason=reason,
-            rule=known.label if known else None,
-            line=known.line if known else None,
-        )
-        return RequestedRate(planned=planned, block=known.order if known else None)
-
-
-class BoundArbiter:
-    """Which bound the rules ask for one property of one topic."""
-
-    __slots__ = ("_default", "_topic", "property", "ranking")
-
-    def __init__(self, topic: str, name: str, blocks: Iterable[RuleBlock], rule_set: RuleSet) -> None:
-        self._topic = topic
-        self.property = name
-        self._default = rule_set.bounds.get(topic, {}).get(name)
-        self.ranking = Ranking(blocks, lambda block: -block.bounds[topic][name])
-
-    @property
-    def is_known(self) -> bool:
-        """Whether the property is bound whatever the unknown blocks turn out to be."""
-        return self._default is not None or self.ranking.known is not None
-
-    def request(self, *, doubt_counts: bool) -> tuple[float | None, RuleBlock | None, Reason]:
-        """The bound, the block that decides it, and why: priority, then the tightest.
-
-        In doubt the tightest, where ``doubt_counts``. The bound is ``None`` while nothing bounds the
-        property; a block beside it is one in doubt that would.
-        """
-        known = self.ranking.known
-        bound, reason = self._default, Reason.DEFAULT
-        if known is not None:
-            bound, reason = known.bounds[self._topic][self.property], Reason.BLOCK
-        doubt = self.ranking.best_unknown(known)
-        if doubt is not None:
-            feared = doubt.bounds[self._topic][self.property]
-            if bound is None or feared < bound:
-                return feared if doubt_counts else None, doubt, Reason.UNKNOWN
-        return bound, known, reason
-
-
-class TopicArbiter:
-    """The request of the rules for one topic: its rate, and the bounds of the receiver's picture."""
-
-    __slots__ = ("_bounds", "_rate")
-
-    def __init__(self, topic: str, blocks: Sequence[RuleBlock], rule_set: RuleSet) -> None:
-        self._rate = RateArbiter(topic, [block for block in blocks if topic in block.rates], rule_set)
-        names = dict.fromkeys(rule_set.bounds.get(topic, {}))
-        for block in blocks:
-            names.update(dict.fromkeys(block.bounds.get(topic, {})))
-        self._bounds = [
-            BoundArbiter(
-                topic, name, [block for block in blocks if name in block.bounds.get(topic, {})], rule_set
-            )
-            for name in names
-        ]
-
-    def rankings_of(self, order: int) -> list[tuple[Ranking, int]]:
-        """The rankings that hold the block of that order, with its rank in each."""
-        rankings = (self._rate.ranking, *(bound.ranking for bound in self._bounds))
-        return [(ranking, ranking.rank_of[order]) for ranking in rankings if order in ranking.rank_of]
-
-    def request(self) -> RequestedRate:
-        """The rate with its reason, and the bounds.
-
-        A topic without any bound passes all that its rate lets through, which is more than with one: so
-        bounds of unknown blocks count only where a known one bounds the topic. Where no block decides the
-        rate, the first that decides a bound stands for it.
-        """
-        request = self._rate.request()
-        if not self._bounds:
-            return request
-        is_bound = any(arbiter.is_known for arbiter in self._bounds)
-        within: dict[str, float] = {}
-        reasons: dict[str, BoundReason] = {}
-        for arbiter in self._bounds:
-            bound, block, reason = arbiter.request(doubt_counts=is_bound)
-            if bound is None and block is None:
-                continue
-            label, line = (None, None) if block is None else (block.label, block.line)
-            reasons[arbiter.property] = BoundReason(reason=reason, rule=label, line=line)
-            if bound is None:
-                continue
-            within[arbiter.property] = bound
-            if block is not None and request.block is None and request.planned.reason is Reason.DEFAULT:
-                planned = replace(request.planned, reason=reason, rule=label, line=line)
-                request = RequestedRate(planned=planned, block=block.order)
-        return replace(request, planned=replace(request.planned, within=within, bound_reasons=reasons))
 
 
 class Evaluator:
@@ -226,15 +38,17 @@ class Evaluator:
         self._blocks = rule_set.blocks
         self._literals = [_literal(graph, block) for block in yielding(rule_set.blocks, yield_turn)]
         self._thresholds = _thresholds(graph)
-        self._arbiters = _arbiters(rule_set, yield_turn)
+        self._arbiters = arbiters_of(rule_set, yield_turn)
         self._entries = [
-            [
-                (topic, *ranking)
-                for topic in block.topics
-                for ranking in self._arbiters[topic].rankings_of(block.order)
-            ]
+            [(topic, move) for topic in block.topics for move in self._arbiters[topic].movers_of(block.order)]
             for block in yielding(rule_set.blocks, yield_turn)
         ]
+        self._margins: dict[Signal, list[tuple[str, Steps]]] = {}
+        for topic, arbiter in self._arbiters.items():
+            for steps in arbiter.steps:
+                self._margins.setdefault(steps.margin.signal, []).append((topic, steps))
+        for signal in self._margins:
+            self._thresholds.setdefault(signal, Thresholds([]))
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
         self._changed_ns = [start_ns] * len(rule_set.blocks)
@@ -308,6 +122,9 @@ class Evaluator:
             return
         for leaf in thresholds.move(value):
             self._propagation.change(leaf, leaf.truth_at(thresholds.value))
+        for topic, steps in self._margins.get(signal, ()):
+            if steps.set(thresholds.value):
+                self._changed_topics.add(topic)
 
     def take_changed_topics(self) -> AbstractSet[str]:
         """The topics whose request may have changed since the last call; at first all that are relayed."""
@@ -368,8 +185,9 @@ class Evaluator:
         return Truth.UNKNOWN if latch is None else Truth(latch.truth)
 
     def reads(self, block_order: int) -> list[Signal]:
-        """The signals that the condition of a block reads, sorted."""
-        return sorted(signals_of(self._blocks[block_order].form))
+        """The signals that the condition of a block and its margins read, sorted."""
+        block = self._blocks[block_order]
+        return sorted({*signals_of(block.form), *(margin.signal for margin in block.margins.values())})
 
     def values_of(self, block_order: int) -> dict[str, Values | None]:
         """The values that the condition of a block reads, by signal name; ``None`` is unknown."""
@@ -377,7 +195,11 @@ class Evaluator:
 
     def cuts(self, signal: Signal) -> list[Bound]:
         """The places of the number line, rising, where a value of ``signal`` changes some check."""
-        return self._thresholds[signal].cuts
+        cuts = self._thresholds[signal].cuts
+        margins = self._margins.get(signal)
+        if margins is None:
+            return cuts
+        return sorted({*cuts, *(cut for _, steps in margins for cut in steps.margin.cuts)})
 
     def texts(self, signal: Signal) -> Collection[str]:
         """The texts that checks compare ``signal`` with."""
@@ -389,8 +211,8 @@ class Evaluator:
         self._changed_ns[order] = self._propagation.now_ns
         if order in self._recording:
             self._turned_recordings.append((order, Truth(after)))
-        for topic, ranking, rank in self._entries[order]:
-            ranking.move(rank, before, after)
+        for topic, move in self._entries[order]:
+            move(before, after)
             self._changed_topics.add(topic)
 
 
@@ -412,8 +234,3 @@ def _thresholds(graph: Graph) -> dict[Signal, Thresholds | TextThresholds]:
         else Thresholds(found)
         for signal, found in leaves.items()
     }
-
-
-def _arbiters(rule_set: RuleSet, yield_turn: Yield) -> dict[str, TopicArbiter]:
-    blocks = rule_set.blocks_by_topic(yield_turn)
-    return {topic: TopicArbiter(topic, setting, rule_set) for topic, setting in blocks.items()}

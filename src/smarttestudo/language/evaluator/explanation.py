@@ -104,8 +104,10 @@ def _is(signal: Signal, derived: str) -> bool:
 def _rules_of(rule_set: RuleSet, topic: str) -> RuleSet:
     """The part of the rules that decides on ``topic``."""
     blocks = (block for block in rule_set.blocks if topic in block.topics)
+    margins = {name: margin for name, margin in rule_set.default_margins.items() if name == topic}
     return replace(
         rule_set,
+        default_margins=margins,
         blocks=tuple(replace(block, order=order, recordings=()) for order, block in enumerate(blocks)),
     )
 
@@ -119,7 +121,7 @@ class _Question:
         self._now = Evaluator(rule_set)
         self._later = Evaluator(rule_set)
         """Once all that is said to hold, or not to, has lasted."""
-        self.signals = rule_set.signals if rule_set.blocks else frozenset[Signal]()
+        self.signals = rule_set.signals
         for signal in self.signals:
             self._now.set(signal, values.get(signal))
             self._later.set(signal, math.inf if _is(signal, HELD) else values.get(signal))

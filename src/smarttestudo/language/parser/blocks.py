@@ -8,6 +8,7 @@ import re
 from dataclasses import dataclass
 
 from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser.comparisons import parse_value
 from smarttestudo.language.parser.conditions import parse_condition
 from smarttestudo.language.parser.cursor import SAFE_PLACES, BrokenStatementError, Cursor
@@ -35,10 +36,11 @@ from smarttestudo.language.syntax import (
     Constant,
     Duration,
     KeepWithin,
+    Margin,
     Not,
     Notify,
     Or,
-    RateWord,
+    RateExpression,
     RecordIncident,
     SetFrequency,
     SetParameter,
@@ -184,15 +186,21 @@ def parse_set(cursor: Cursor) -> SetFrequency:
     rate = parse_rate(cursor)
     margin = parse_margin(cursor)
     if margin is not None:
-        for end in (rate, margin.to):
-            if isinstance(end.value, RateWord):
-                what = f"a rate goes between numbers or quality levels, not to '{end.value.value}'"
-                cursor.report("margin-end", what, span=end.span)
-        if margin.from_value == margin.to_value:
-            cursor.report("empty-margin", "the two values are equal", span=margin.span)
+        _check_ends(cursor, rate, margin)
     return SetFrequency(
         topic=topic, rate=rate, margin=margin, span=cursor.span_from(first), trivia=cursor.take_trivia(first)
     )
+
+
+def _check_ends(cursor: Cursor, rate: RateExpression, margin: Margin) -> None:
+    kinds = {type(rate.value), type(margin.to.value)}
+    if kinds not in ({float}, {Tier}):
+        message = "a rate goes from one number to another, or from one quality level to another"
+        cursor.report("margin-end", message, span=rate.span.to(margin.to.span))
+    elif rate.value == margin.to.value:
+        cursor.report("empty-margin", "the two rates are equal", span=rate.span.to(margin.to.span))
+    elif margin.from_value == margin.to_value:
+        cursor.report("empty-margin", "the two values are equal", span=margin.span)
 
 
 def parse_within(cursor: Cursor) -> KeepWithin:

@@ -111,7 +111,7 @@ def _edits(optimized: OptimizedDraft, solved: SolvedSubproblem, change: Change) 
 
 def _edit(optimized: OptimizedDraft, statement: SetFrequency, wanted: Tier | float) -> Substitute:
     document = optimized.checked.document
-    start, end = document.places.range(statement.rate.span)
+    start, end = document.places.range(statement.highest.span)
     utf16 = Utf16(document.text)
     return Substitute(
         offset=utf16.offset(start),
