@@ -100,11 +100,13 @@ class _Widening:
             return statement
         random = self._random
         first, second = random.sample(NUMBER_TEXTS, 2)
-        end: RateExpression = random.choice(
-            [
+        is_level = isinstance(statement.rate.value, Tier)
+        end = random.choice(
+            [RateExpression(value=level, text="", span=NOWHERE) for level in Tier]
+            if is_level
+            else [
                 RateExpression(value=20.0, text="20", span=NOWHERE),
-                RateExpression(value=2.5, text="2.5", span=NOWHERE, has_unit=True),
-                RateExpression(value=Tier.DESIRABLE, text="", span=NOWHERE),
+                RateExpression(value=2.75, text="2.75", span=NOWHERE, has_unit=True),
             ]
         )
         margin = Margin(
@@ -118,7 +120,8 @@ class _Widening:
             to_text=second,
             span=NOWHERE,
         )
-        return replace(statement, margin=margin) if float(first) != float(second) else statement
+        is_margin = float(first) != float(second) and end.value != statement.rate.value
+        return replace(statement, margin=margin) if is_margin else statement
 
     def _actions(self, actions: Sequence[Action]) -> tuple[Action, ...]:
         widened: list[Action] = []
