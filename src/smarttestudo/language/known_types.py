@@ -10,25 +10,10 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from smarttestudo.domain.signal import Value
+from smarttestudo.domain.type_definition import FieldType, TypeDefinition
 from smarttestudo.language.syntax import Constant
 
 _INDEX = re.compile(r"\[(?:[^\]\"\\]|\"(?:[^\"\\]|\\.)*\")*\]")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class FieldType:
-    """The type of a field: ``string``, ``bool``, ``float64`` or the name of a message type."""
-
-    name: str
-    is_array: bool = False
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TypeDefinition:
-    """The fields and constants of a message type by name."""
-
-    fields: Mapping[str, FieldType] = field(default_factory=dict)
-    constants: Mapping[str, Value] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,11 +1,17 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Rule files with full topic names, before levels have values: what compiler, checker and optimizer read."""
+"""Rule files with full topic names, before levels have values: what compiler, checker and optimizer read.
+
+A statement with a pattern is one for each topic that it matches, where no other at its place counts more.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import chain
+from typing import Protocol, TypeVar
 
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Rate
@@ -31,6 +37,7 @@ from smarttestudo.language.syntax import (
     RuleFile,
     SetFrequency,
     Statement,
+    TopicName,
 )
 from smarttestudo.language.syntax_walks import (
     acts_in,
@@ -40,17 +47,19 @@ from smarttestudo.language.syntax_walks import (
     sets_in,
 )
 from smarttestudo.language.text_region import SetOfValues
+from smarttestudo.language.topic_pattern import matching, standing
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedRate:
     """A SetFrequency; ``rate`` is ``None`` for a tier, of one with a ``margin`` the higher end.
 
-    ``margin`` is the signal that it goes by.
+    ``written`` is ``topic``, or the pattern in full; ``margin`` is the signal that it goes by.
     """
 
     path: str
     topic: str
+    written: str
     statement: SetFrequency
     rate: Rate | None
     margin: Signal | None = None
@@ -63,10 +72,11 @@ class ResolvedRate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedFloor:
-    """A KeepAtLeast, whose rate is a number."""
+    """A KeepAtLeast, whose rate is a number; ``written`` as of a SetFrequency."""
 
     path: str
     topic: str
+    written: str
     statement: KeepAtLeast
     rate: Rate
 
@@ -78,10 +88,14 @@ class ResolvedFloor:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedBound:
-    """A KeepWithin; ``branch`` is its block's order and whether in its Else, ``None`` outside blocks."""
+    """A KeepWithin; ``branch`` is its block's order and whether in its Else, ``None`` outside blocks.
+
+    ``written`` is as of a SetFrequency.
+    """
 
     path: str
     topic: str
+    written: str
     statement: KeepWithin
     branch: tuple[int, bool] | None
 
@@ -91,9 +105,26 @@ class ResolvedBound:
         return Signal(self.topic, self.statement.property)
 
 
+PatternStatement = SetFrequency | KeepAtLeast | KeepWithin | RecordIncident
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResolvedPattern:
+    """A pattern in a statement, as it is written and in full, whether or not it matches anything.
+
+    ``branch`` is as of a KeepWithin.
+    """
+
+    path: str
+    pattern: str
+    name: TopicName
+    statement: PatternStatement
+    branch: tuple[int, bool] | None
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedRecord:
-    """A Record; no topics stand for all that the rules name."""
+    """A Record; all topics that the rules name are meant where the statement names none."""
 
     path: str
     topics: tuple[str, ...]
@@ -164,7 +195,9 @@ class ResolvedRules:
     """Statements of a set of files in the order of the text.
 
     ``rates`` is every SetFrequency and KeepAtLeast, ``bounds`` every KeepWithin; ``written_defaults`` are the
-    SetFrequency outside blocks, ``floors`` the KeepAtLeast that count, the highest of each topic.
+    SetFrequency outside blocks, ``floors`` the KeepAtLeast that count, the highest of each topic. What a
+    pattern says of a topic is left out where another statement at its place counts more; ``patterns`` has
+    every pattern.
     """
 
     rates: tuple[ResolvedRate | ResolvedFloor, ...]
@@ -173,6 +206,7 @@ class ResolvedRules:
     floors: Mapping[str, ResolvedFloor]
     blocks: tuple[ResolvedBlock, ...]
     branches: tuple[Branch, ...]
+    patterns: tuple[ResolvedPattern, ...] = ()
 
     @property
     def defaults(self) -> Mapping[str, ResolvedRate]:
@@ -193,51 +227,90 @@ class ResolvedRules:
 def resolve_rules(
     files: Sequence[RuleFile], resolve: Resolve, types: KnownTypes = NO_TYPES, *, disabled: bool = False
 ) -> ResolvedRules:
-    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names."""
-    reader = _Reader(resolve, types)
-    for number, file in enumerate(files):
-        for statement in file.statements:
-            if (isinstance(statement, Block) and statement.is_disabled) is disabled:
-                reader.add(number, file.path, statement)
-    return ResolvedRules(
-        rates=tuple(reader.rates),
-        bounds=tuple(reader.bounds),
-        written_defaults=tuple(reader.defaults),
-        floors=reader.floors,
-        blocks=tuple(reader.blocks),
-        branches=tuple(reader.branches),
-    )
+    """The statements of ``files`` that count, or the ``disabled`` blocks, with full topic names.
+
+    Patterns match the topics that are there by ``types``, and those that the statements relay by name.
+    """
+    statements = [
+        (number, file.path, statement)
+        for number, file in enumerate(files)
+        for statement in file.statements
+        if (isinstance(statement, Block) and statement.is_disabled) is disabled
+    ]
+    reader = _Reader(resolve, types, [statement for _, _, statement in statements])
+    for number, path, statement in statements:
+        reader.add(number, path, statement)
+    return reader.rules()
+
+
+class _Written(Protocol):
+    @property
+    def topic(self) -> str: ...
+
+    @property
+    def written(self) -> str: ...
+
+
+_WrittenT = TypeVar("_WrittenT", bound=_Written)
+
+
+def _standing(one: _Written) -> tuple[bool, int]:
+    # Two full names are the same one.
+    return (True, 0) if one.topic == one.written else standing(one.written)
 
 
 class _Reader:
-    def __init__(self, resolve: Resolve, types: KnownTypes) -> None:
+    def __init__(self, resolve: Resolve, types: KnownTypes, statements: Sequence[Statement]) -> None:
         self._full_name = resolve
         self._types = types
-        self.rates: list[ResolvedRate | ResolvedFloor] = []
-        self.bounds: list[ResolvedBound] = []
-        self.defaults: list[ResolvedRate] = []
-        self.floors: dict[str, ResolvedFloor] = {}
-        self.blocks: list[ResolvedBlock] = []
-        self.branches: list[Branch] = []
+        self._statements = statements
+        self._matches: dict[str, Sequence[str]] = {}
+        self._beaten: set[int] = set()
+        """The identities of what others beat."""
+        self._patterns: list[ResolvedPattern] = []
+        self._rates: list[ResolvedRate | ResolvedFloor] = []
+        self._bounds: list[ResolvedBound] = []
+        self._defaults: list[ResolvedRate] = []
+        self._floors: list[ResolvedFloor] = []
+        self._blocks: list[ResolvedBlock] = []
+        self._branches: list[Branch] = []
+
+    def rules(self) -> ResolvedRules:
+        defaults = self._counting(self._defaults, lambda default: default.topic)
+        floors: dict[str, ResolvedFloor] = {}
+        for floor in self._counting(self._floors, lambda floor: floor.topic):
+            if floors.setdefault(floor.topic, floor).rate < floor.rate:
+                floors[floor.topic] = floor
+        always = [bound for bound in self._bounds if bound.branch is None]
+        self._counting(always, lambda bound: bound.signal)
+        return ResolvedRules(
+            rates=tuple(rate for rate in self._rates if id(rate) not in self._beaten),
+            bounds=tuple(bound for bound in self._bounds if id(bound) not in self._beaten),
+            written_defaults=defaults,
+            floors=floors,
+            blocks=tuple(self._blocks),
+            branches=tuple(self._branches),
+            patterns=tuple(self._patterns),
+        )
 
     def add(self, file: int, path: str, statement: Statement) -> None:
         match statement:
             case SetFrequency():
-                self.defaults.append(self._rate(path, statement))
+                self._defaults += self._rates_of(path, statement, None)
             case KeepAtLeast():
                 self._add_floor(path, statement)
             case KeepWithin():
-                self._bound(path, statement, None)
+                self._bounds_of(path, statement, None)
             case Block():
                 block = ResolvedBlock(
-                    order=len(self.blocks),
+                    order=len(self._blocks),
                     file=file,
                     path=path,
                     block=statement,
                     form=normal_form(statement.condition, self._full_name, self._types),
                     checks=tuple(self._check(path, check) for check in checks_in(statement.condition)),
                 )
-                self.blocks.append(block)
+                self._blocks.append(block)
                 self._add_branch(block, statement.then, is_else=False)
                 self._add_branch(block, statement.otherwise, is_else=True)
 
@@ -250,48 +323,104 @@ class _Reader:
     def _add_branch(self, block: ResolvedBlock, actions: Sequence[Action], *, is_else: bool) -> None:
         if not actions:
             return
-        written = tuple(self._rate(block.path, rate) for rate in sets_in(actions))
+        path, side = block.path, (block.order, is_else)
+        rates = [one for rate in sets_in(actions) for one in self._rates_of(path, rate, side)]
+        bounds = [one for bound in bounds_in(actions) for one in self._bounds_of(path, bound, side)]
+        written = self._counting(rates, lambda rate: rate.topic)
         branch = Branch(
-            order=len(self.branches),
+            order=len(self._branches),
             block=block,
             is_else=is_else,
             form=negation(block.form) if is_else else block.form,
             written=written,
             settings={rate.topic: rate for rate in written},
-            bounds=tuple(
-                self._bound(block.path, bound, (block.order, is_else)) for bound in bounds_in(actions)
-            ),
-            records=tuple(self._record(block.path, record) for record in records_in(actions)),
+            bounds=self._counting(bounds, lambda bound: bound.signal),
+            records=tuple(self._record(path, record, side) for record in records_in(actions)),
             acts=acts_in(actions),
         )
-        self.branches.append(branch)
+        self._branches.append(branch)
 
     def _add_floor(self, path: str, statement: KeepAtLeast) -> None:
-        topic = self._full_name(statement.topic.text)
+        written, topics = self._topics_of(path, statement.topic, statement, None)
         rate = statement.rate.rate or Rate(0.0)
-        floor = ResolvedFloor(path=path, topic=topic, statement=statement, rate=rate)
-        self.rates.append(floor)
-        if self.floors.setdefault(topic, floor).rate < rate:
-            self.floors[topic] = floor
+        floors = [
+            ResolvedFloor(path=path, topic=topic, written=written, statement=statement, rate=rate)
+            for topic in topics
+        ]
+        self._rates += floors
+        self._floors += floors
 
-    def _rate(self, path: str, statement: SetFrequency) -> ResolvedRate:
-        topic = self._full_name(statement.topic.text)
-        rate = ResolvedRate(
-            path=path,
-            topic=topic,
-            statement=statement,
-            rate=statement.highest.rate,
-            margin=None if statement.margin is None else margin_signal(statement.margin, self._full_name),
+    def _rates_of(
+        self, path: str, statement: SetFrequency, side: tuple[int, bool] | None
+    ) -> list[ResolvedRate]:
+        written, topics = self._topics_of(path, statement.topic, statement, side)
+        margin = None if statement.margin is None else margin_signal(statement.margin, self._full_name)
+        rates = [
+            ResolvedRate(
+                path=path,
+                topic=topic,
+                written=written,
+                statement=statement,
+                rate=statement.highest.rate,
+                margin=margin,
+            )
+            for topic in topics
+        ]
+        self._rates += rates
+        return rates
+
+    def _bounds_of(
+        self, path: str, statement: KeepWithin, side: tuple[int, bool] | None
+    ) -> list[ResolvedBound]:
+        written, topics = self._topics_of(path, statement.topic, statement, side)
+        bounds = [
+            ResolvedBound(path=path, topic=topic, written=written, statement=statement, branch=side)
+            for topic in topics
+        ]
+        self._bounds += bounds
+        return bounds
+
+    def _record(self, path: str, record: RecordIncident, side: tuple[int, bool]) -> ResolvedRecord:
+        named = (self._topics_of(path, name, record, side)[1] for name in record.topics)
+        return ResolvedRecord(path=path, topics=tuple(chain.from_iterable(named)), statement=record)
+
+    def _topics_of(
+        self, path: str, name: TopicName, statement: PatternStatement, side: tuple[int, bool] | None
+    ) -> tuple[str, Sequence[str]]:
+        """A name or pattern in full, and the topics that are meant."""
+        full = self._full_name(name.text)
+        if not name.is_pattern:
+            return full, (full,)
+        self._patterns.append(
+            ResolvedPattern(path=path, pattern=full, name=name, statement=statement, branch=side)
         )
-        self.rates.append(rate)
-        return rate
+        if full not in self._matches:
+            self._matches[full] = matching(full, self._matchable)
+        return full, self._matches[full]
 
-    def _bound(self, path: str, statement: KeepWithin, branch: tuple[int, bool] | None) -> ResolvedBound:
-        topic = self._full_name(statement.topic.text)
-        bound = ResolvedBound(path=path, topic=topic, statement=statement, branch=branch)
-        self.bounds.append(bound)
-        return bound
+    @cached_property
+    def _matchable(self) -> Collection[str]:
+        """The topics that are there, and those that are relayed by name."""
+        names = (name for statement in self._statements for name in _relayed_names(statement))
+        return {*self._types.topics, *(self._full_name(name.text) for name in names if not name.is_pattern)}
 
-    def _record(self, path: str, record: RecordIncident) -> ResolvedRecord:
-        topics = tuple(self._full_name(name.text) for name in record.topics)
-        return ResolvedRecord(path=path, topics=topics, statement=record)
+    def _counting(
+        self, found: Sequence[_WrittenT], key: Callable[[_WrittenT], Hashable]
+    ) -> tuple[_WrittenT, ...]:
+        """Those of ``found`` that no other with the same ``key`` beats by its standing."""
+        if all(one.topic == one.written for one in found):
+            return tuple(found)
+        best: dict[Hashable, tuple[bool, int]] = {}
+        for one in found:
+            best[key(one)] = max(best.get(key(one), (False, 0)), _standing(one))
+        self._beaten.update(id(one) for one in found if _standing(one) < best[key(one)])
+        return tuple(one for one in found if id(one) not in self._beaten)
+
+
+def _relayed_names(statement: Statement) -> Iterator[TopicName]:
+    if isinstance(statement, Block):
+        for side in (statement.then, statement.otherwise):
+            yield from (rate.topic for rate in sets_in(side))
+            yield from (bound.topic for bound in bounds_in(side))
+    else:
+        yield statement.topic

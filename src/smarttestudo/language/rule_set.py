@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Protocol
@@ -36,11 +36,13 @@ from smarttestudo.language.resolved_rules import (
     ResolvedCheck,
     ResolvedRate,
     ResolvedRecord,
+    ResolvedRules,
     resolve_rules,
 )
 from smarttestudo.language.syntax import (
     Act,
     CallService,
+    Constant,
     KeepWithin,
     Notify,
     RateExpression,
@@ -150,13 +152,16 @@ class RuleSet:
 
     ``bounds`` are those outside blocks, by topic and property; a topic of a bound alone is relayed at
     ``Full``, as is every other one without a default. ``default_reason`` is what decisions give as the reason
-    of a default.
+    of a default. ``patterns`` in full stand in the files for topics of a kind, and checks compare topics in
+    ``typed`` with constants: what appears, or what is known of a type, may give these files another meaning.
     """
 
     defaults: Mapping[str, Rate]
     default_lines: Mapping[str, int]
     floors_hz: Mapping[str, float]
     blocks: tuple[RuleBlock, ...]
+    patterns: tuple[str, ...] = ()
+    typed: frozenset[str] = frozenset()
     default_reason: Reason = Reason.DEFAULT
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     default_margins: Mapping[str, MarginRate] = field(default_factory=dict)
@@ -207,6 +212,15 @@ class RuleSet:
         return replace(
             self, blocks=tuple(replace(block, form=over_states(block.form)) for block in self.blocks)
         )
+
+
+def _typed(rules: ResolvedRules) -> Iterator[str]:
+    """The topics whose types say what constants in checks are."""
+    for block in rules.blocks:
+        for check in block.checks:
+            ends = (check.syntax.value, *([] if check.syntax.until is None else [check.syntax.until.value]))
+            if any(isinstance(end, Constant) for end in ends):
+                yield check.signal.topic
 
 
 def fallback_rules(rates: Mapping[str, Rate], floors_hz: Mapping[str, float] | None = None) -> RuleSet:
@@ -281,12 +295,17 @@ class _Compiler:
             floors_hz=resolved.floors_hz,
             blocks=tuple(map(self._block, resolved.branches)),
             bounds=self._tightest(resolved.always_bounds),
+            patterns=tuple(dict.fromkeys(one.pattern for one in resolved.patterns)),
+            typed=frozenset(_typed(resolved)),
         )
         if not rules.has_recordings:
             return rules
         names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(rules.recorded))
         named = tuple(dict.fromkeys(names))
-        return replace(rules, blocks=tuple(_recording_all(block, named) for block in rules.blocks))
+        blocks = zip(rules.blocks, resolved.branches, strict=True)
+        return replace(
+            rules, blocks=tuple(_recording_all(block, branch.records, named) for block, branch in blocks)
+        )
 
     def _time_as_written(self, timed: Timed) -> WrittenTime:
         return WrittenTime(
@@ -390,9 +409,10 @@ def _record_request(record: ResolvedRecord) -> RecordRequest:
     )
 
 
-def _recording_all(block: RuleBlock, topics: tuple[str, ...]) -> RuleBlock:
-    """``block`` whose recordings keep ``topics`` where they name none."""
+def _recording_all(block: RuleBlock, records: Sequence[ResolvedRecord], topics: tuple[str, ...]) -> RuleBlock:
+    """``block`` whose recordings, made of ``records``, keep ``topics`` where they name none."""
     recordings = tuple(
-        recording if recording.topics else replace(recording, topics=topics) for recording in block.recordings
+        recording if record.statement.topics else replace(recording, topics=topics)
+        for recording, record in zip(block.recordings, records, strict=True)
     )
     return replace(block, recordings=recordings)

@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is known of a message type."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from smarttestudo.domain.signal import Value
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FieldType:
+    """The type of a field: ``string``, ``bool``, ``float64`` or the name of a message type."""
+
+    name: str
+    is_array: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TypeDefinition:
+    """The fields and constants of a message type by name."""
+
+    fields: Mapping[str, FieldType] = field(default_factory=dict)
+    constants: Mapping[str, Value] = field(default_factory=dict)
