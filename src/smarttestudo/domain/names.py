@@ -103,6 +103,12 @@ def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
     return name
 
 
+def is_output_name(topic: str, pattern: str) -> bool:
+    """Whether ``topic`` is named as by ``pattern``; never if outputs have the names of their sources."""
+    before, _, after = pattern.partition(TOPIC_PLACEHOLDER)
+    return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)
+
+
 def full_topic_names(names: Sequence[str], option: str, *, most: int, like: str) -> tuple[str, ...]:
     """The topics that ``option`` names, each once, as ``like``. Raises ``UsageError``."""
     for name in names:

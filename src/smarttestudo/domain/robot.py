@@ -21,6 +21,7 @@ from smarttestudo.domain.parameter import (
 if TYPE_CHECKING:
     from smarttestudo.domain.compiled_relay import CompiledRelays
 from smarttestudo.domain.names import DECISIONS_TOPIC, NAME_OPTION
+from smarttestudo.domain.type_definition import TypeDefinition
 
 
 class Payload(Protocol):
@@ -304,6 +305,9 @@ class Robot(Protocol):
 
     def definition(self, type_name: str) -> str:
         """The definition of a message type with those of its parts, as bags store it; empty where unknown."""
+
+    def type_definition(self, type_name: str) -> TypeDefinition | None:
+        """The fields and constants of a message type; ``None`` where it is not installed."""
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         """Sender of a diagnostic_msgs/msg/DiagnosticArray on ``topic``; both may raise ``RosError``."""

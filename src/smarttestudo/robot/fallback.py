@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from smarttestudo.domain.errors import TestudoError, UsageError
+from smarttestudo.domain.names import is_output_name
 from smarttestudo.domain.rate import MAX_RATE_HZ, Rate
 from smarttestudo.domain.robot import UNKNOWN_NODE, Robot, is_visible, relaying_nodes
 from smarttestudo.domain.status import Fallback
@@ -19,7 +20,7 @@ from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.language.syntax import KeepAtLeast, SetFrequency
 from smarttestudo.pacing.sample import is_patch
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.output_topics import OutputTopic, is_output_topic, output_topics
+from smarttestudo.robot.output_topics import OutputTopic, output_topics
 
 # Time has to come from one place.
 _CLOCK_TOPIC = "/clock"
@@ -180,7 +181,7 @@ class FallbackTopics:
             or topic in self._refused
             or topic == _CLOCK_TOPIC
             or not is_visible(topic)
-            or is_output_topic(topic, self._output_topic)
+            or is_output_name(topic, self._output_topic.pattern)
             or not topic.startswith(f"{self._topic_prefix}/")
         )
 

@@ -12,7 +12,6 @@ from smarttestudo.domain.names import (
     DECISIONS_TOPIC,
     MAX_NAME_LENGTH,
     STATUS_TOPIC,
-    TOPIC_PLACEHOLDER,
     output_name,
 )
 from smarttestudo.domain.robot import Robot
@@ -72,9 +71,3 @@ def output_topics(
     return {
         topic: name if output_topic.resolved(name) == name else named[topic] for topic, name in names.items()
     }
-
-
-def is_output_topic(topic: str, output_topic: OutputTopic) -> bool:
-    """Whether ``topic`` is named like an output topic; never if those have the names of their sources."""
-    before, _, after = output_topic.pattern.partition(TOPIC_PLACEHOLDER)
-    return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)

@@ -35,10 +35,13 @@ from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, V
 
 _CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
+        "_action/status": ("action_msgs/msg/GoalStatusArray",),
         "amcl_pose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
         "battery_state": ("sensor_msgs/msg/BatteryState",),
         "camera_info": ("sensor_msgs/msg/CameraInfo",),
         "cmd_vel": ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"),
+        "diagnostics": ("diagnostic_msgs/msg/DiagnosticArray",),
+        "diagnostics_agg": ("diagnostic_msgs/msg/DiagnosticArray",),
         "fix": ("sensor_msgs/msg/NavSatFix",),
         "goal_pose": ("geometry_msgs/msg/PoseStamped",),
         "image_raw": ("sensor_msgs/msg/Image",),
@@ -50,9 +53,11 @@ _CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "joint_states": ("sensor_msgs/msg/JointState",),
         "odom": ("nav_msgs/msg/Odometry",),
         "odometry/filtered": ("nav_msgs/msg/Odometry",),
+        "rosout": ("rcl_interfaces/msg/Log",),
         "scan": ("sensor_msgs/msg/LaserScan",),
         "tf": ("tf2_msgs/msg/TFMessage",),
         "tf_static": ("tf2_msgs/msg/TFMessage",),
+        "transition_event": ("lifecycle_msgs/msg/TransitionEvent",),
     }
 )
 """By the end of the name; the likeliest type first."""

@@ -8,7 +8,7 @@ import importlib
 import importlib.util
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,8 @@ from rclpy.type_support import check_for_type_support
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.names import TypeName, short_type_name
 from smarttestudo.domain.robot import Payload
+from smarttestudo.domain.signal import Value
+from smarttestudo.domain.type_definition import FieldType, TypeDefinition
 from smarttestudo.robot.ros.message_view import UnknownLayoutError, message_view
 from smarttestudo.robot.ros.ros_errors import ros_errors
 
@@ -27,6 +29,7 @@ _SEPARATOR = "=" * 80
 _SEQUENCE = re.compile(r"sequence<(.+?)(?:, (\d+))?>\Z")
 _ARRAY = re.compile(r"(.+)\[(\d+)\]\Z")
 _BOUNDED_STRING = re.compile(r"(w?string)<(\d+)>\Z")
+_DEFAULT = "__DEFAULT"
 _MSG_NAMES = {"boolean": "bool", "double": "float64", "float": "float32", "octet": "byte"}
 
 
@@ -147,6 +150,39 @@ def begins_with_header(type_name: str) -> bool:
     except RosError:
         return False
     return next(iter(fields.items()), None) == ("header", "std_msgs/Header")
+
+
+def type_definition(type_name: str) -> TypeDefinition | None:
+    """The fields and constants of ``type_name``; ``None`` where it is not installed."""
+    try:
+        kind = message_type(type_name, "")
+    except RosError:
+        return None
+    fields = {
+        name: _field_type(slot)
+        for name, slot in zip(kind.get_fields_and_field_types(), kind.SLOT_TYPES, strict=True)
+    }
+    # Beside constants, rosidl's metaclass has the defaults of fields there.
+    given: Mapping[str, Any] = type(kind).__prepare__(kind.__name__, ())
+    constants = {name: _constant(value) for name, value in given.items() if not name.endswith(_DEFAULT)}
+    return TypeDefinition(fields=fields, constants=constants)
+
+
+def _field_type(slot: Any) -> FieldType:
+    inner = getattr(slot, "value_type", slot)
+    if hasattr(inner, "namespaces"):
+        name = "/".join((*inner.namespaces, inner.name))
+    elif hasattr(inner, "typename"):
+        name = _MSG_NAMES.get(inner.typename, inner.typename)
+    else:
+        name = "wstring" if "WString" in type(inner).__name__ else "string"
+    return FieldType(name=name, is_array=inner is not slot)
+
+
+def _constant(value: str | bytes | float) -> Value:
+    if isinstance(value, bytes):
+        return float(value[0])
+    return value if isinstance(value, str) else float(value)
 
 
 def has_byte_sequence(type_name: str) -> bool:

@@ -34,10 +34,16 @@ from smarttestudo.domain.robot import (
     Qos,
 )
 from smarttestudo.domain.texts import in_utf_8
+from smarttestudo.domain.type_definition import TypeDefinition
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.ros.contexts import operators_node, own_context
 from smarttestudo.robot.ros.data_path import open_data_path
-from smarttestudo.robot.ros.message_types import begins_with_header, message_definition, message_type
+from smarttestudo.robot.ros.message_types import (
+    begins_with_header,
+    message_definition,
+    message_type,
+    type_definition,
+)
 from smarttestudo.robot.ros.node_log import node_log
 from smarttestudo.robot.ros.parameters import REMOTE_POLL_PERIOD_S, NodeParameterClients, NodeParameters
 from smarttestudo.robot.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
@@ -189,6 +195,9 @@ class RosNode:
 
     def definition(self, type_name: str) -> str:
         return message_definition(type_name)
+
+    def type_definition(self, type_name: str) -> TypeDefinition | None:
+        return type_definition(type_name)
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         return diagnostics_publisher(self._operators, topic, self._clock)
