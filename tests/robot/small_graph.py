@@ -20,6 +20,8 @@ from smarttestudo.domain.robot import (
     RobotLog,
     Subscription,
 )
+from smarttestudo.domain.type_definition import TypeDefinition
+from smarttestudo.language.standard_types import STANDARD_TYPES
 from unasked_robot import UnaskedRobot
 
 NODE = "/smarttestudo"
@@ -188,6 +190,9 @@ class SmallGraph(UnaskedRobot):
 
     def begins_with_header(self, type_name: str) -> bool:
         return False
+
+    def type_definition(self, type_name: str) -> TypeDefinition | None:
+        return STANDARD_TYPES.get(type_name)
 
     def diagnostics_publisher(self, topic: str) -> Callable[[Sequence[Diagnostic]], None]:
         return lambda diagnostics: None

@@ -13,7 +13,7 @@ import pytest
 from loop.loop_driver import SECOND, LoopDriver
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.errors import UsageError
-from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, resolve_topic
+from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC, is_output_name, resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.robot import is_visible

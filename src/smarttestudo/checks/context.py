@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.normal_form import Resolve, derived_values, is_derived
 from smarttestudo.language.properties import PropertySpec, conventional_types, property_spec
 from smarttestudo.language.region import Region
@@ -42,6 +43,7 @@ class ObservedValues:
 class CheckContext:
     """``resolve`` gives the full name of a topic, ``bag_topics`` the type of each topic of a recording.
 
+    ``types`` are the topics that patterns match, and what is known of types.
     They may also be those of a robot: ``topics_lack`` are the words before the name of a topic that it lacks,
     ``topics_have`` those behind what it has. ``observed`` are the values that the recording has of checks.
     ``way_to_profile`` says how the reader of a finding gives a profile, as in "or …".
@@ -51,6 +53,7 @@ class CheckContext:
     resolve: Resolve = field(default=resolve_topic)
     profile: Profile | None = None
     bag_topics: Mapping[str, str] | None = None
+    types: KnownTypes = NO_TYPES
     topics_lack: str = "the recording has no"
     topics_have: str = "which the recording holds"
     observed: Mapping[Signal, ObservedValues] = field(default_factory=dict)

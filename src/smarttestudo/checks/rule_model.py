@@ -20,6 +20,7 @@ from smarttestudo.language.resolved_rules import (
     ResolvedBound,
     ResolvedCheck,
     ResolvedFloor,
+    ResolvedPattern,
     ResolvedRate,
     ResolvedRecord,
     ResolvedRules,
@@ -59,10 +60,11 @@ class RuleModel:
     ``settings`` is every SetFrequency by topic, ``written_defaults`` the unconditional ones and ``defaults``
     those of them that count; ``floors`` are the KeepAtLeast that count, ``bounds`` every KeepWithin;
     ``relayed`` has the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin,
-    ``mentions`` the first mention of each topic at all; ``glued`` are, by file, the words that follow a
-    keyword without a blank between. A branch that sets no rate is not among ``branches``, and ``recordings``
-    is every Record. Conditions are over states. Of disabled blocks, only ``mentions``, ``disabled`` and
-    ``disabled_checks`` tell. ``default_places`` are by file.
+    ``mentions`` the first mention of each topic by name, ``patterns`` all that stands for topics of a kind;
+    ``glued`` are, by file, the words that follow a keyword without a blank between. A branch that sets no
+    rate is not among ``branches``, and ``recordings`` is every Record. Conditions are over states. Of
+    disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks`` tell. ``default_places`` are by
+    file.
     """
 
     context: CheckContext
@@ -72,6 +74,7 @@ class RuleModel:
     floors: Mapping[str, ResolvedFloor]
     relayed: Mapping[str, ResolvedRate | ResolvedFloor | ResolvedBound]
     mentions: Mapping[str, Mention]
+    patterns: tuple[ResolvedPattern, ...]
     checks: tuple[ResolvedCheck, ...]
     blocks: tuple[ResolvedBlock, ...]
     branches: tuple[Branch, ...]
@@ -93,7 +96,8 @@ class RuleModel:
 def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleModel:
     """The statements of ``files``, with the interval analysis of their conditions."""
     resolve = cache(context.resolve)
-    rules, disabled = resolve_rules(files, resolve), resolve_rules(files, resolve, disabled=True)
+    rules = resolve_rules(files, resolve, context.types)
+    disabled = resolve_rules(files, resolve, context.types, disabled=True)
     blocks = [replace(block, form=merged(over_states(block.form))) for block in rules.blocks]
     branches = [
         _over_states(branch, blocks[branch.block.order]) for branch in rules.branches if branch.written
@@ -112,6 +116,7 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         floors=rules.floors,
         relayed={**{bound.topic: bound for bound in reversed(rules.bounds)}, **relayed},
         mentions=_mentions(files, resolve),
+        patterns=rules.patterns,
         checks=_checks(rules),
         blocks=tuple(blocks),
         branches=tuple(branches),
@@ -144,7 +149,8 @@ def _checks(rules: ResolvedRules) -> tuple[ResolvedCheck, ...]:
 def _mentions(files: Sequence[RuleFile], resolve: Resolve) -> Mapping[str, Mention]:
     mentions: dict[str, Mention] = {}
     for file in files:
-        for name in (name for statement in file.statements for name in _names_in(statement)):
+        names = (name for statement in file.statements for name in _names_in(statement))
+        for name in (name for name in names if not name.is_pattern):
             topic = resolve(name.text)
             if topic not in mentions:
                 mentions[topic] = Mention(path=file.path, name=name)

@@ -49,7 +49,7 @@ def nothing_relayed(rules: RuleModel) -> Iterator[Found]:
     switched off, as it may be while somebody edits it, is pushed and loaded like any other.
     """
     first = next(iter(rules.default_places), None)
-    if first is not None and not rules.relayed and not rules.recordings:
+    if first is not None and not (rules.relayed or rules.recordings or rules.patterns):
         yield Found(
             path=first,
             span=_START,
@@ -139,7 +139,7 @@ def unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
     profile = rules.context.profile
     if profile is None:
         return
-    unnamed = [topic for topic in profile.topics if topic not in rules.mentions]
+    unnamed = [topic for topic in profile.topics if topic not in rules.mentions.keys() | rules.relayed.keys()]
     if unnamed:
         yield Found(
             path=profile.path,
@@ -220,7 +220,7 @@ def unnamed_in_bag(rules: RuleModel) -> Iterator[Found]:
     if recorded is None or first is None:
         return
     meant = (close_topic(topic, recorded) for topic in rules.mentions if topic not in recorded)
-    known = {*rules.mentions, *(profile.topics if profile else ()), *_OF_ROS, *meant}
+    known = {*rules.mentions, *rules.relayed, *(profile.topics if profile else ()), *_OF_ROS, *meant}
     unnamed = sorted(topic for topic in recorded if topic not in known)
     if unnamed:
         yield Found(

@@ -27,10 +27,12 @@ from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.resolved_rules import resolve_rules
 from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
+from smarttestudo.rules.rule_sets import known_types
 
 _T = TypeVar("_T")
 
@@ -57,10 +59,14 @@ def run(arguments: argparse.Namespace) -> int:
     robot_topics = _robot_topics(arguments)
     texts, unreadable = _read(arguments.files)
     results = [parse(text, path) for path, text in texts.items()]
-    context = CheckContext(profile=profile, bag_topics=robot_topics, has_all_files=not unreadable)
-    if arguments.connect:
+    context = CheckContext(profile=profile, types=known_types(None, profile), has_all_files=not unreadable)
+    if robot_topics is not None:
         context = replace(
-            context, topics_lack="the robot publishes no", topics_have="which the robot publishes"
+            context,
+            bag_topics=robot_topics,
+            types=known_types(_types_of_robot(robot_topics), profile),
+            topics_lack="the robot publishes no",
+            topics_have="which the robot publishes",
         )
     elif arguments.bag is not None:
         context = _with_recording(context, arguments.bag, results)
@@ -111,22 +117,31 @@ def _robot_topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
         return topics_of_robot(robots, arguments.robot, stopped)
 
 
+def _types_of_robot(topics: Mapping[str, str]) -> KnownTypes:
+    """The topics of a robot with their types as they are known here."""
+    from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  as above
+
+    return replace(recorded_types(), topics=topics)
+
+
 def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseResult]) -> CheckContext:
     """``context`` with topics and types of a recording, and the values in it of what the rules read."""
     from smarttestudo.bags.message_types import MessageTypes, observed_values  # noqa: PLC0415  as the next
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  as above
     from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
-    from smarttestudo.domain.recording import types_of_topics  # noqa: PLC0415  as above
 
-    blocks = resolve_rules([result.file for result in results], resolve_topic).blocks
-    signals = {check.signal for block in blocks for check in block.checks}
     with open_recording(bag) as recording:
+        found = recorded_types(recording.channels)
+        types = known_types(found, context.profile)
+        blocks = resolve_rules([result.file for result in results], resolve_topic, types).blocks
+        signals = {check.signal for block in blocks for check in block.checks}
         observed = observed_values(recording, signals, context.profile)
         # Damage of what no rule reads is met only where it is read, too.
         deque(recording.sizes(), maxlen=0)
         undecodable = MessageTypes().notices(recording.channels, "checks of its fields stay unknown")
         notices = (*recording.notices(), *undecodable)
-        context = replace(context, bag_topics=types_of_topics(recording.channels), observed=observed)
+        context = replace(context, bag_topics=found.topics, types=types, observed=observed)
     print_notices(notices)
     return context
 

@@ -32,7 +32,7 @@ from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import column_types
-from smarttestudo.domain.recording import RecordingReader, Storage, types_of_topics
+from smarttestudo.domain.recording import RecordingReader, Storage
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
@@ -199,11 +199,12 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
             return _replayed_inputs(arguments)
         _require_rules(arguments)
         from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
+        from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  as above
 
         profile = _profile(arguments)
         with open_recording(arguments.bag) as recording:
-            bag_topics = types_of_topics(recording.channels)
-            rules = load_rules(arguments.rules, profile=profile, bag_topics=bag_topics)
+            found = recorded_types(recording.channels).without_outputs(arguments.output_topic)
+            rules = load_rules(arguments.rules, profile=profile, found=found)
             rules.refuse_errors()
             return _replay(arguments, recording, profile or Profile(), rules, progress)
 

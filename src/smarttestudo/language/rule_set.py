@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Protocol
@@ -146,6 +146,9 @@ class RuleBlock:
         return tuple(dict.fromkeys([*self.rates, *self.bounds]))
 
 
+CompileAnew = Callable[[KnownTypes], "RuleSet"]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RuleSet:
     """Defaults, floors in Hz, bounds of the receiver's picture and blocks; topics by full name.
@@ -165,6 +168,8 @@ class RuleSet:
     default_reason: Reason = Reason.DEFAULT
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     default_margins: Mapping[str, MarginRate] = field(default_factory=dict)
+    anew: CompileAnew | None = field(default=None, compare=False, repr=False)
+    """What gives the same files the meaning that they have with other topics and types."""
     relayed: tuple[str, ...] = field(init=False, compare=False)
     """The topics that are relayed, in order of first mention among defaults, floors, bounds, blocks."""
     signals: frozenset[Signal] = field(init=False, compare=False)
@@ -186,6 +191,10 @@ class RuleSet:
     def written(self) -> tuple[RuleBlock, ...]:
         """The blocks as the files have them, an If and its Else once."""
         return tuple(block for block in self.blocks if block.checks)
+
+    def by(self, types: KnownTypes) -> RuleSet:
+        """The meaning that the files have where ``types`` are known; the same where it depends on none."""
+        return self if self.anew is None or not (self.patterns or self.typed) else self.anew(types)
 
     @property
     def has_recordings(self) -> bool:

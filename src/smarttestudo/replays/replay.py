@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
+from smarttestudo.bags.type_definitions import recorded_types
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -104,7 +105,7 @@ def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
     recording = requests[0].recording
     decoder = RosbagDecoder()
     with ExitStack() as opened:
-        runs = [_Run.of(request, decoder, opened) for request in requests]
+        runs = [_Run.of(_by_what_is_recorded(request), decoder, opened) for request in requests]
         for run in runs:
             run.begin()
         _pass_messages(recording, runs, decoder)
@@ -112,6 +113,12 @@ def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
             run.end()
     wall_seconds = time.perf_counter() - started_s
     return [run.outcome(wall_seconds) for run in runs]
+
+
+def _by_what_is_recorded(request: ReplayRequest) -> ReplayRequest:
+    """``request`` with its rules as they are where the topics of the recording are there."""
+    found = recorded_types(request.recording.channels).without_outputs(request.output_topic)
+    return replace(request, rule_set=request.rule_set.by(found))
 
 
 def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: RosbagDecoder) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.checks import CheckContext, check_rules
@@ -16,6 +16,7 @@ from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.status import RulesInForce
 from smarttestudo.domain.texts import in_utf_8
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import RefusedTiers, RuleSet, TierValues, compile_rules
@@ -109,8 +110,20 @@ def sha256_of_rules(text: str) -> str:
     return hashlib.sha256(text.encode("utf-8", "surrogateescape")).hexdigest()
 
 
+def known_types(found: KnownTypes | None, profile: Profile | None) -> KnownTypes:
+    """What was ``found`` in a recording or on a robot, with the profile's word on types.
+
+    Where nothing was looked at, the topics of the profile are those that are there.
+    """
+    declared = {} if profile is None else profile.topics
+    types = {topic: entry.type_name for topic, entry in declared.items() if entry.type_name}
+    if found is None:
+        return KnownTypes(topics={topic: types.get(topic, "") for topic in declared}, declared=types)
+    return replace(found, declared=types)
+
+
 def load_rules(
-    paths: Sequence[Path], *, profile: Profile | None = None, bag_topics: Mapping[str, str] | None = None
+    paths: Sequence[Path], *, profile: Profile | None = None, found: KnownTypes | None = None
 ) -> LoadedRules:
     """Read, check and compile the rule files at ``paths``, which may be folders; see ``check_texts``.
 
@@ -119,31 +132,50 @@ def load_rules(
         ProfileError: the profile lacks what its levels need.
     """
     texts = {str(path): read_rule_text(path) for path in find_rule_files(paths)}
-    return check_texts(texts, profile=profile, bag_topics=bag_topics)
+    return check_texts(texts, profile=profile, found=found)
 
 
 def check_texts(
     texts: Mapping[str, str],
     *,
     profile: Profile | None = None,
-    bag_topics: Mapping[str, str] | None = None,
+    found: KnownTypes | None = None,
     resolve: Resolve = resolve_topic,
 ) -> LoadedRules:
     """Check and compile rule files, given by path.
 
-    ``resolve`` gives topics their full names (default: in the root namespace); ``bag_topics`` are the types
-    of a recording's topics.
-
-    Quality levels get the rates that the optimizer finds for them in the profile's budget.
+    ``resolve`` gives topics their full names (default: in the root namespace); ``found`` is what a recording
+    or a robot has. Quality levels get the rates that the optimizer finds for them in the profile's budget.
 
     Raises:
         RuleFileError: the levels do not fit the budget.
         ProfileError: the profile lacks what the levels need.
     """
     results = [parse(text, path) for path, text in texts.items()]
-    context = CheckContext(resolve=resolve, profile=profile, bag_topics=bag_topics)
+    bag_topics = None if found is None else found.topics
+    types = known_types(found, profile)
+    context = CheckContext(resolve=resolve, profile=profile, bag_topics=bag_topics, types=types)
     findings = tuple(check_rules(results, context))
     has_error = any(finding.severity is Severity.ERROR for finding in findings)
-    usable = [] if has_error else [result.file for result in results]
-    tiers = tier_values_for(usable, profile, resolve)
-    return LoadedRules(findings=findings, rule_set=compile_rules(usable, resolve, tiers), texts=texts)
+    usable = RuleSource(
+        files=() if has_error else tuple(result.file for result in results), profile=profile, resolve=resolve
+    )
+    return LoadedRules(findings=findings, rule_set=usable.compiled(types), texts=texts)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RuleSource:
+    """Rule files without errors, and what gives them a meaning beside the topics that are there."""
+
+    files: tuple[RuleFile, ...]
+    profile: Profile | None = None
+    resolve: Resolve = resolve_topic
+
+    def __call__(self, found: KnownTypes) -> RuleSet:
+        """The rules where that was ``found``. Raises as ``check_texts``."""
+        return self.compiled(known_types(found, self.profile))
+
+    def compiled(self, types: KnownTypes) -> RuleSet:
+        """The rules by these types. Raises as ``check_texts``."""
+        tiers = tier_values_for(self.files, self.profile, self.resolve)
+        return replace(compile_rules(self.files, self.resolve, tiers, types), anew=self)

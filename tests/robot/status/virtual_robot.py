@@ -22,6 +22,8 @@ from smarttestudo.domain.robot import (
     RobotLog,
     Subscription,
 )
+from smarttestudo.domain.type_definition import TypeDefinition
+from smarttestudo.language.standard_types import STANDARD_TYPES
 from unasked_robot import UnaskedRobot
 
 SECOND = 1_000_000_000
@@ -114,6 +116,9 @@ class VirtualRobot(UnaskedRobot):
 
     def begins_with_header(self, type_name: str) -> bool:
         return False
+
+    def type_definition(self, type_name: str) -> TypeDefinition | None:
+        return STANDARD_TYPES.get(type_name)
 
     def knows(self, type_name: str) -> bool:
         return type_name not in self.missing_types
