@@ -162,7 +162,8 @@ def test_rules_say_whether_what_appears_may_change_them() -> None:
         "If (CheckValue /battery_state power_supply_status = POWER_SUPPLY_STATUS_FULL) "
         "Then SetFrequency /camera/* 1 EndIf"
     )
-    assert (named.patterns, named.typed) == (("/camera/*",), {"/battery_state"})
+    assert named.patterns == ("/camera/*",)
+    assert named.typed == {"/battery_state"}
 
 
 @cache

@@ -16,7 +16,8 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.language.boxes import Border
 from smarttestudo.language.formatter import number_text
 from smarttestudo.language.parser.lexer import TokenKind
-from smarttestudo.language.resolved_rules import ResolvedRate
+from smarttestudo.language.resolved_rules import Branch, ResolvedRate
+from smarttestudo.language.syntax_walks import sets_in
 
 
 @lint_rule("topic-twice", Severity.ERROR)
@@ -29,7 +30,7 @@ def topic_twice(rules: RuleModel) -> Iterator[Found]:
         first: dict[str, ResolvedRate] = {}
         for rate in branch.written if len(branch.written) > len(branch.settings) else ():
             earlier = first.setdefault(rate.topic, rate)
-            if earlier is not rate:
+            if earlier is not rate and not rate.is_by_pattern:
                 yield _repeated(rate, earlier, "Else" if branch.is_else else "Then")
 
 
@@ -79,7 +80,13 @@ def block_shadowed(rules: RuleModel) -> Iterator[Found]:
     topics too (among equals, the first block in the file is the one that decides). It has no effect,
     mostly because a number or a Priority is wrong.
     """
-    return map(_shadow, rules.analysis.shadows)
+    return (_shadow(shadow) for shadow in rules.analysis.shadows if not _has_pattern(shadow.branch))
+
+
+def _has_pattern(branch: Branch) -> bool:
+    """Whether it sets topics of a kind, others of which may appear."""
+    actions = branch.block.block.otherwise if branch.is_else else branch.block.block.then
+    return any(rate.topic.is_pattern for rate in sets_in(actions))
 
 
 def _shadow(shadow: Shadow) -> Found:
@@ -153,7 +160,8 @@ def rate_without_effect(rules: RuleModel) -> Iterator[Found]:
     The rate is the same without it, whatever is known or unknown. A changed default would make it matter,
     which may be meant; mostly another number was.
     """
-    for _, alike in itertools.groupby(rules.analysis.redundant_rates, lambda one: one.branch.order):
+    of_names = (one for one in rules.analysis.redundant_rates if not one.setting.is_by_pattern)
+    for _, alike in itertools.groupby(of_names, lambda one: one.branch.order):
         of_branch = list(alike)
         branch = of_branch[0].branch
         actions = branch.block.block.otherwise if branch.is_else else branch.block.block.then

@@ -205,7 +205,8 @@ def record_too_large(rules: RuleModel) -> Iterator[Found]:
 
 def _kb_per_s(rules: RuleModel, record: ResolvedRecord) -> float:
     """The KB that its topics bring in a second, as far as the profile knows."""
-    known = (rules.context.topic(topic) for topic in record.topics or rules.mentions)
+    named = record.topics if record.statement.topics else {**rules.mentions, **rules.relayed}
+    known = map(rules.context.topic, named)
     return sum((topic.message_kb or 0.0) * (topic.source_hz or 0.0) for topic in known)
 
 
@@ -220,8 +221,9 @@ def record_unpublished(rules: RuleModel) -> Iterator[Found]:
         # Topics that a recording lacks are told all at once, see absent-from-bag.
         return
     for recording in rules.recordings:
-        for name, topic in zip(recording.statement.topics, recording.topics, strict=True):
-            if topic not in profile.topics:
+        for name in recording.statement.topics:
+            topic = rules.context.resolve(name.text)
+            if topic not in profile.topics and not name.is_pattern:
                 yield Found(
                     path=recording.path,
                     span=name.span,

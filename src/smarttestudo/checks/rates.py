@@ -63,7 +63,7 @@ def two_defaults(rules: RuleModel) -> Iterator[Found]:
     """
     for default in rules.written_defaults:
         last = rules.defaults[default.topic]
-        if default is not last:
+        if default is not last and not default.is_by_pattern:
             where = wording.place(last.path, last.span, seen_from=default.path)
             yield Found(
                 path=default.path,

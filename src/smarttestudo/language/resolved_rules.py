@@ -69,6 +69,11 @@ class ResolvedRate:
         """The whole statement."""
         return self.statement.span
 
+    @property
+    def is_by_pattern(self) -> bool:
+        """Whether the topic is one of several that the statement may mean."""
+        return self.topic != self.written
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResolvedFloor:
