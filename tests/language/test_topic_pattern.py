@@ -163,7 +163,7 @@ def test_rules_say_whether_what_appears_may_change_them() -> None:
         "Then SetFrequency /camera/* 1 EndIf"
     )
     assert named.patterns == ("/camera/*",)
-    assert named.typed == {"/battery_state"}
+    assert named.typed == {("/battery_state", "")}
 
 
 @cache

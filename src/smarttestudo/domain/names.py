@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from smarttestudo.domain.errors import RosError, UsageError
@@ -34,6 +34,7 @@ def has_topic_form(name: str) -> bool:
     return "__" not in name and _TOPIC.match(name) is not None
 
 
+_ANY_NAME = "any_topic"
 _PATTERN_STAR = re.compile(r"(?:(?<=/)|\A)\*{1,2}(?=/|\Z)")
 MACHINE, LINK = "@machine", "@link"
 SOURCES = (MACHINE, LINK)
@@ -82,6 +83,14 @@ def resolve_topic(name: str, *, namespace: str = "/", node: str = "smarttestudo"
     return f"{prefix.rstrip('/')}{full}"
 
 
+def resolved_pattern(name: str, resolve: Callable[[str], str]) -> str:
+    """The full name of a topic by ``resolve``, or of a pattern of topics, which ROS takes for no name."""
+    beginning, star, rest = name.partition("*")
+    if not star:
+        return resolve(name)
+    return f"{resolve(beginning + _ANY_NAME).removesuffix(_ANY_NAME)}{star}{rest}"
+
+
 def output_name(topic: str, pattern: str, robot: str | None = None) -> str:
     """Name of ``topic`` by ``pattern``, in which ``{robot}`` stands for a ``robot`` that is given.
 
@@ -107,6 +116,15 @@ def is_output_name(topic: str, pattern: str) -> bool:
     """Whether ``topic`` is named as by ``pattern``; never if outputs have the names of their sources."""
     before, _, after = pattern.partition(TOPIC_PLACEHOLDER)
     return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)
+
+
+OWN_TOPICS = "/testudo/"
+"""How the names of what SmartTestudo publishes begin, unless ``--output-topic`` says otherwise."""
+
+
+def is_own_output(topic: str, pattern: str) -> bool:
+    """Whether SmartTestudo publishes ``topic``, where it names its outputs by ``pattern``."""
+    return topic.startswith(OWN_TOPICS) or is_output_name(topic, pattern)
 
 
 def full_topic_names(names: Sequence[str], option: str, *, most: int, like: str) -> tuple[str, ...]:

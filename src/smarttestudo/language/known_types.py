@@ -5,16 +5,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 
-from smarttestudo.domain.names import is_output_name, short_type_name
+from smarttestudo.domain.names import full_type_name, is_own_output, short_type_name
 from smarttestudo.domain.signal import Value
 from smarttestudo.domain.type_definition import FieldType, TypeDefinition
 from smarttestudo.language.properties.table import conventional_types
 from smarttestudo.language.standard_types import STANDARD_TYPES
 from smarttestudo.language.syntax import Constant
+from smarttestudo.language.topic_pattern import matching
 
 _INDEX = re.compile(r"\[(?:[^\]\"\\]|\"(?:[^\"\\]|\\.)*\")*\]")
 
@@ -67,7 +68,8 @@ class KnownTypes:
         if not type_name:
             around = [name for name, _ in self._steps(topic, _names(path))][::-1]
             return around or [*self._within(self.type_of(topic))]
-        named = (*self._within(self.type_of(topic)), *STANDARD_TYPES, *self.definitions)
+        whole = [full_type_name(type_name, "")] if "/" in type_name else []
+        named = (*self._within(self.type_of(topic)), *whole, *STANDARD_TYPES, *self.definitions)
         return [
             name
             for name in dict.fromkeys(named)
@@ -77,9 +79,26 @@ class KnownTypes:
     def without_outputs(self, output_topic: str) -> KnownTypes:
         """The same without the topics that are named like outputs."""
         topics = {
-            topic: name for topic, name in self.topics.items() if not is_output_name(topic, output_topic)
+            topic: name for topic, name in self.topics.items() if not is_own_output(topic, output_topic)
         }
         return replace(self, topics=topics)
+
+    def needed(self, patterns: Iterable[str], typed: Iterable[tuple[str, str]]) -> KnownTypes:
+        """As much of it as rules with these patterns need, and with constants for these topics and types."""
+        names = dict.fromkeys(topic for topic, _ in typed if topic in self.topics)
+        names.update(dict.fromkeys(one for pattern in patterns for one in matching(pattern, self.topics)))
+        types = dict.fromkeys(
+            name
+            for topic, type_name in typed
+            for name in (
+                *self._within(self.type_of(topic)),
+                *(self.types_with_constants(topic, "", type_name) if type_name else ()),
+            )
+        )
+        return KnownTypes(
+            topics={topic: self.topics[topic] for topic in sorted(names)},
+            definitions={name: self.definitions[name] for name in sorted(types) if name in self.definitions},
+        )
 
     def _steps(self, topic: str, names: list[str]) -> Iterator[tuple[str, FieldType]]:
         """The types on the way to the field, each with its field that is next, as far as they are known."""

@@ -155,8 +155,9 @@ class RuleSet:
 
     ``bounds`` are those outside blocks, by topic and property; a topic of a bound alone is relayed at
     ``Full``, as is every other one without a default. ``default_reason`` is what decisions give as the reason
-    of a default. ``patterns`` in full stand in the files for topics of a kind, and checks compare topics in
-    ``typed`` with constants: what appears, or what is known of a type, may give these files another meaning.
+    of a default. ``patterns`` in full stand in the files for topics of a kind; ``typed`` are the topics that
+    checks compare with constants, each with the type that one names, if it does: what appears, or what is
+    known of a type, may give these files another meaning.
     """
 
     defaults: Mapping[str, Rate]
@@ -164,7 +165,7 @@ class RuleSet:
     floors_hz: Mapping[str, float]
     blocks: tuple[RuleBlock, ...]
     patterns: tuple[str, ...] = ()
-    typed: frozenset[str] = frozenset()
+    typed: frozenset[tuple[str, str]] = frozenset()
     default_reason: Reason = Reason.DEFAULT
     bounds: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     default_margins: Mapping[str, MarginRate] = field(default_factory=dict)
@@ -194,7 +195,12 @@ class RuleSet:
 
     def by(self, types: KnownTypes) -> RuleSet:
         """The meaning that the files have where ``types`` are known; the same where it depends on none."""
-        return self if self.anew is None or not (self.patterns or self.typed) else self.anew(types)
+        return self if self.anew is None else self.anew(types)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the meaning of the files depends on topics and types that are there."""
+        return bool(self.patterns or self.typed)
 
     @property
     def has_recordings(self) -> bool:
@@ -223,13 +229,12 @@ class RuleSet:
         )
 
 
-def _typed(rules: ResolvedRules) -> Iterator[str]:
-    """The topics whose types say what constants in checks are."""
+def _typed(rules: ResolvedRules) -> Iterator[tuple[str, str]]:
+    """The topics that checks compare with constants, and the types that these name."""
     for block in rules.blocks:
         for check in block.checks:
             ends = (check.syntax.value, *([] if check.syntax.until is None else [check.syntax.until.value]))
-            if any(isinstance(end, Constant) for end in ends):
-                yield check.signal.topic
+            yield from ((check.signal.topic, end.type_name) for end in ends if isinstance(end, Constant))
 
 
 def fallback_rules(rates: Mapping[str, Rate], floors_hz: Mapping[str, float] | None = None) -> RuleSet:

@@ -7,12 +7,11 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from functools import cache
 
+from smarttestudo.domain.names import OWN_TOPICS
 from smarttestudo.domain.robot import is_visible
 
 ONE_NAME, ANY_NAMES = "*", "**"
 """In a pattern, any one name, and any number of names, none included."""
-OWN_TOPICS = "/testudo/"
-"""How the names of what SmartTestudo publishes begin."""
 
 
 def may_match(topic: str) -> bool:

@@ -13,6 +13,7 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.robot import Payload
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.pacing.sample import WhenSlow
@@ -76,7 +77,8 @@ class RuleTextsInput:
     """How a ``RulesInput`` is recorded, and the rules that a loop started with: by their texts.
 
     ``rule_texts`` are the rule files by path, ``profile_text`` the profile's TOML, ``names`` the full name
-    of each topic in them by the name that they use. For want of valid rules, ``relay_all`` are relayed: at
+    of each topic in them by the name that they use, ``known`` what they were compiled by of what the robot
+    had. For want of valid rules, ``relay_all`` are relayed: at
     ``fallback_hz`` those that are in it, with ``fallback_floors_hz``, and every message of the others.
     """
 
@@ -84,6 +86,7 @@ class RuleTextsInput:
     rule_texts: Annotated[Mapping[str, str], JsonEntry(name="rules")]
     profile_text: Annotated[str | None, JsonEntry(name="profile")] = None
     names: Mapping[str, str] = field(default_factory=dict)
+    known: Annotated[KnownTypes, JsonEntry(omits_default=True)] = field(default_factory=KnownTypes)
     when_slow: WhenSlow = WhenSlow.PASS
     budget_kb_per_s: float | None = None
     relay_all: tuple[str, ...] | None = None

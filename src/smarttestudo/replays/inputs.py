@@ -157,4 +157,4 @@ def _rules(given: RuleTextsInput) -> tuple[RuleSet, Profile]:
         profile = parse_profile(given.profile_text, Path("profile")).resolved(resolve)
     loaded = check_texts(given.rule_texts, profile=profile, resolve=resolve)
     loaded.refuse_errors()
-    return loaded.rule_set, profile
+    return loaded.rule_set.by(given.known), profile

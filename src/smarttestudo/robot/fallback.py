@@ -8,20 +8,24 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TypeVar
 
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.names import is_output_name
 from smarttestudo.domain.rate import MAX_RATE_HZ, Rate
-from smarttestudo.domain.robot import UNKNOWN_NODE, Robot, is_visible, relaying_nodes
+from smarttestudo.domain.robot import Robot, is_visible
 from smarttestudo.domain.status import Fallback
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import fallback_rules
 from smarttestudo.language.syntax import KeepAtLeast, SetFrequency
+from smarttestudo.language.topic_pattern import ONE_NAME, matching, standing
 from smarttestudo.pacing.sample import is_patch
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.output_topics import OutputTopic, output_topics
+from smarttestudo.robot.seen_topics import SeenTopics
 
+_Value = TypeVar("_Value")
 # Time has to come from one place.
 _CLOCK_TOPIC = "/clock"
 LEAST_HZ = 1.0
@@ -48,7 +52,7 @@ class FallbackChoice(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReadableRates:
-    """The defaults and floors of rules with errors, topics by full name; levels cannot be read."""
+    """The defaults and floors of rules with errors, by full name or pattern; levels cannot be read."""
 
     defaults: Mapping[str, Rate] = field(default_factory=dict)
     floors_hz: Mapping[str, float] = field(default_factory=dict)
@@ -56,8 +60,18 @@ class ReadableRates:
     def rate(self, topic: str, *, is_patch: bool = False) -> Rate:
         """The rate of ``topic``, at least ``LEAST_HZ``; patches are only thinned where a rate is written."""
         unwritten = Rate.full() if is_patch else Rate(LEAST_HZ)
-        floor_hz = self.floors_hz.get(topic, 0.0)
-        return max(self.defaults.get(topic, unwritten), Rate(floor_hz), Rate(LEAST_HZ))
+        default = _of_topic(self.defaults, topic)
+        return max(unwritten if default is None else default, Rate(self.floor_hz(topic)), Rate(LEAST_HZ))
+
+    def floor_hz(self, topic: str) -> float:
+        """The floor of ``topic``, 0 without one."""
+        return _of_topic(self.floors_hz, topic) or 0.0
+
+
+def _of_topic(written: Mapping[str, _Value], topic: str) -> _Value | None:
+    """The value of the name or pattern that counts for ``topic``."""
+    names = [name for name in written if name == topic or (ONE_NAME in name and matching(name, [topic]))]
+    return written[max(names, key=standing)] if names else None
 
 
 def readable_rates(texts: Mapping[str, str], resolve: Resolve) -> ReadableRates:
@@ -86,8 +100,6 @@ def readable_rates(texts: Mapping[str, str], resolve: Resolve) -> ReadableRates:
 class FallbackTopics:
     """The topics of a robot that its own nodes publish, below ``topic_prefix``; once seen, they stay.
 
-    A node may be discovered later than its topics: one that turns out to be SmartTestudo's takes them along.
-
     Hidden topics, those of every node, the clock and what SmartTestudo nodes publish are left out, and with
     a warning those for which ``output_topic`` makes no name of their own; ``UsageError`` where it never does.
     """
@@ -101,7 +113,7 @@ class FallbackTopics:
         self._topic_prefix = topic_prefix
         self._readable = ReadableRates()
         self._output_topics: dict[str, str] = {}
-        self._of_unknown_nodes: set[str] = set()
+        self._seen = SeenTopics(robot, self._may_join)
         self._refused: set[str] = set()
         output_topics(fallback_rules({"/any": Rate.full()}), output_topic)
 
@@ -114,19 +126,14 @@ class FallbackTopics:
         """Whether the topics are others than at the last poll."""
         if self.relays is Fallback.OFF:
             return False
-        before = len(self._output_topics)
-        unknown = [topic for topic in self._robot.topics() if self._may_join(topic)]
-        if not unknown and not self._of_unknown_nodes:
+        if not self._seen.poll():
             return False
-        testudos = relaying_nodes(self._robot)
-        left = self._leave(testudos)
-        for topic in sorted(unknown):
-            nodes = self._nodes(topic)
-            if nodes - testudos:
-                self._join(topic)
-            if _has_unknown(nodes):
-                self._of_unknown_nodes.add(topic)
-        return left or len(self._output_topics) > before
+        before = dict(self._output_topics)
+        for topic in before.keys() - self._seen.types.keys():
+            del self._output_topics[topic]
+        for topic in sorted(self._seen.types.keys() - before.keys() - self._refused):
+            self._join(topic)
+        return self._output_topics != before
 
     def rules(self) -> LiveRules:
         """All of them at their rates."""
@@ -139,7 +146,7 @@ class FallbackTopics:
         rates = {
             topic: readable.rate(topic, is_patch=any(map(is_patch, types.get(topic, ())))) for topic in topics
         }
-        floors_hz = {topic: hz for topic, hz in readable.floors_hz.items() if topic in topics}
+        floors_hz = {topic: hz for topic in topics if (hz := readable.floor_hz(topic))}
         return LiveRules(rule_set=fallback_rules(rates, floors_hz), output_topics=topics)
 
     def __str__(self) -> str:
@@ -157,15 +164,6 @@ class FallbackTopics:
                     f"{LEAST_HZ:g} Hz{here}"
                 )
 
-    def _leave(self, testudos: frozenset[str]) -> bool:
-        """Whether topics are given up, as they turn out to be of SmartTestudo nodes alone."""
-        nodes_of = {topic: self._nodes(topic) for topic in self._of_unknown_nodes}
-        self._of_unknown_nodes = {topic for topic, nodes in nodes_of.items() if _has_unknown(nodes)}
-        left = [topic for topic, nodes in nodes_of.items() if nodes and nodes <= testudos]
-        for topic in left:
-            self._output_topics.pop(topic, None)
-        return bool(left)
-
     def _join(self, topic: str) -> None:
         try:
             in_use = self._output_topics.values()
@@ -177,17 +175,9 @@ class FallbackTopics:
 
     def _may_join(self, topic: str) -> bool:
         return not (
-            topic in self._output_topics
-            or topic in self._refused
+            topic in self._refused
             or topic == _CLOCK_TOPIC
             or not is_visible(topic)
             or is_output_name(topic, self._output_topic.pattern)
             or not topic.startswith(f"{self._topic_prefix}/")
         )
-
-    def _nodes(self, topic: str) -> frozenset[str]:
-        return frozenset(endpoint.node for endpoint in self._robot.publishers(topic))
-
-
-def _has_unknown(nodes: frozenset[str]) -> bool:
-    return any(node.endswith(UNKNOWN_NODE) for node in nodes)

@@ -77,6 +77,7 @@ class InputRecorder:
             rule_texts=rules.texts,
             profile_text=rules.profile_text,
             names=rules.names,
+            known=rules.known,
             when_slow=self._settings[WHEN_SLOW],
             budget_kb_per_s=self._settings[BUDGET],
             relay_all=rule_set.relayed if is_fallback else None,

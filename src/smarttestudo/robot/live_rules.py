@@ -12,6 +12,7 @@ from pathlib import Path
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.remote_robots import RuleText, RuleTexts
 from smarttestudo.domain.status import RulesInForce
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.rules.rule_sets import check_texts
@@ -31,7 +32,7 @@ class LiveRules:
 
     ``doubts`` has the first warning of a check, empty without any.
     ``output_topics`` has the output topic of each relayed one, ``names`` the full name of each topic by the
-    name that the texts use.
+    name that the texts use, ``known`` what they were compiled by of what the robot has.
     """
 
     rule_set: RuleSet
@@ -41,6 +42,7 @@ class LiveRules:
     texts: Mapping[str, str] = field(default_factory=dict)
     profile_text: str | None = None
     names: Mapping[str, str] = field(default_factory=dict)
+    known: KnownTypes = field(default_factory=KnownTypes)
     doubts: str = ""
 
     @property
@@ -63,11 +65,16 @@ class LiveRules:
 
 
 def check_live_rules(
-    texts: Mapping[str, str], profile_path: Path | None, profile_text: str | None, resolve: Resolve
+    texts: Mapping[str, str],
+    profile_path: Path | None,
+    profile_text: str | None,
+    resolve: Resolve,
+    known: KnownTypes,
 ) -> LiveRules:
     """The rules of ``texts`` by path beside the profile at ``profile_path``; their outputs have no names yet.
 
-    ``resolve`` gives the full name of a topic. Raises ``TestudoError``.
+    ``resolve`` gives the full name of a topic. They are compiled by what is ``known`` of the robot, and
+    judged without: rules are not refused for what happens to run. Raises ``TestudoError``.
     """
     names: dict[str, str] = {}
 
@@ -84,7 +91,8 @@ def check_live_rules(
     loaded = check_texts(texts, profile=profile, resolve=named)
     loaded.refuse_errors()
     return LiveRules(
-        rule_set=loaded.rule_set,
+        rule_set=loaded.rule_set.by(known),
+        known=known,
         profile=profile or Profile(),
         in_force=loaded.in_force,
         texts=texts,

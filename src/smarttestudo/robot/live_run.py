@@ -91,6 +91,8 @@ class LiveRun:
         robot.log.info(f"Data path: {robot.data_path.description}")
         self._status = LiveStatus(robot.name, read_own_process())
         self._standing: Callable[[], RulesInForce] = lambda: self.rules.in_force
+        self.on_graph: Callable[[], None] | None = None
+        """What is called after each poll of the graph."""
         self._timer = StatusTimer(robot, link, needs_all=any(_does(part, "on_status") for part in parts))
         publisher = StatusPublisher(robot, link)
         self._reporter = StatusReporter(robot, publisher, self._timer, self._measure, self._rules_in_force)
@@ -237,6 +239,8 @@ class LiveRun:
             topic.losses.measure(topic.subscription, now_ns)
         for part in self._parts:
             part.on_graph()
+        if self.on_graph is not None:
+            self.on_graph()
 
     def _notify_source(self, topic: Topic, source: LiveSource, now_ns: int) -> None:
         for part in self._parts:

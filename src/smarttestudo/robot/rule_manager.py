@@ -9,20 +9,21 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from typing import Generic, TypeVar
 
-from smarttestudo.domain.errors import RosError, UsageError
+from smarttestudo.domain.errors import RosError, TestudoError, UsageError
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import RulesInForce, RulesOrigin
-from smarttestudo.domain.texts import in_utf_8
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.texts import SayOnce, in_utf_8
+from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.loop.reload import RuleExchange
 from smarttestudo.robot.fallback import FallbackChoice, FallbackTopics
 from smarttestudo.robot.live_rules import LARGE_BYTES, LiveRules
 from smarttestudo.robot.live_run import POLL_PERIOD_S, LiveRun
 from smarttestudo.robot.option import Settings
 from smarttestudo.robot.rule_writing import RuleFileWriter
-from smarttestudo.robot.rules import PUSHED, LiveRuleFiles, Reading, RuleWatch
+from smarttestudo.robot.rules import PUSHED, CompiledAnew, LiveRuleFiles, Reading, RuleWatch
 from smarttestudo.robot.run_options import BUDGET, FALLBACK, RULES_TEXT, STATUS_RATE
+from smarttestudo.robot.seen_topics import SeenTopics
 
 CONFIRM_WITHIN_S = 10
 
@@ -67,6 +68,10 @@ class PushedRules(Generic[_Rules]):
         """Put other rules in force; pushed texts from before are forgotten."""
         self.rules = rules
         self._waiting = self._confirmed_hash = None
+
+    def refresh(self, rules: _Rules) -> None:
+        """Put ``rules`` in the place of those in force, which have the same text."""
+        self.rules = rules
 
     def push(self, rules: _Rules, text_hash: str, now_ns: int) -> None:
         """Put ``rules`` in force until they are confirmed or time is up; confirmed ones stay confirmed.
@@ -133,13 +138,16 @@ class RuleManager:
         fallback: FallbackTopics,
         first: Reading,
         *,
+        seen: SeenTopics,
         writer: RuleFileWriter,
     ) -> None:
         self._robot = robot
         self._live = live
         self._files = files
         self._fallback = fallback
+        self._seen = seen
         self._writer = writer
+        self._warn_once = SayOnce(robot.log.warning)
         self._last = first
         self._loaded = _texts_of_files(first)
         self._in_force = PushedRules(first.rules)
@@ -151,6 +159,7 @@ class RuleManager:
         self._warn_of_doubts(self._rules)
         self._show()
         self._live.ask_standing(self._standing)
+        self._live.on_graph = self._follow_graph
         self._robot.every(POLL_PERIOD_S, self._poll)
         self._robot.every(FALLBACK_POLL_PERIOD_S, self._poll_topics)
         try:
@@ -200,11 +209,55 @@ class RuleManager:
     def _poll(self) -> None:
         for reading in self._watch.readings():
             self._apply(reading)
+        for compiled in self._watch.compiled():
+            self._take_compiled(compiled)
         if self._in_force.roll_back(self._robot.steady_ns()):
             self._hold()
             rules = self._in_force.rules
             holds = self._fallback if rules is None else f"hash {rules.rules_hash} is in force again"
             self._robot.log.warning(f"pushed rules not confirmed within {CONFIRM_WITHIN_S} s; {holds}")
+
+    def _follow_graph(self) -> None:
+        """Compile the rules anew where a topic appeared that they are about, or a type that they name."""
+        rules = self._in_force.rules
+        if rules is None or not rules.rule_set.is_open or not self._seen.poll():
+            return
+        self._catch_up()
+        if self._in_force.rules is not rules:
+            self._live.reload(self._rules)
+            self._log_matched(rules)
+
+    def _catch_up(self) -> None:
+        """Bring the rules in force up to date with what is known of the robot; large ones soon."""
+        rules = self._in_force.rules
+        if rules is None or not rules.rule_set.is_open:
+            return
+        if rules.is_large:
+            self._watch.compile_soon(rules)
+            return
+        try:
+            self._in_force.refresh(self._files.up_to_date(rules))
+        except TestudoError as error:
+            self._warn_once(f"{error}; the rules stay as they are")
+
+    def _take_compiled(self, compiled: CompiledAnew) -> None:
+        if compiled.error is not None:
+            self._warn_once(f"{compiled.error}; the rules stay as they are")
+        if compiled.rules is None or compiled.before is not self._in_force.rules:
+            return
+        self._in_force.refresh(compiled.rules)
+        self._live.reload(compiled.rules, compiled.prepared)
+        if compiled.prepared is not None:
+            self._watch.free(compiled.prepared)
+        self._log_matched(compiled.before)
+        # What appeared meanwhile.
+        self._watch.compile_soon(compiled.rules)
+
+    def _log_matched(self, before: LiveRules) -> None:
+        new = [topic for topic in self._rules.output_topics if topic not in before.output_topics]
+        if new:
+            others = f" and {counted(len(new) - 1, 'other topic')}" if len(new) > 1 else ""
+            self._robot.log.info(f"{new[0]}{others}: there now, and matched by patterns in the rules")
 
     def _poll_topics(self) -> None:
         if self._in_force.rules is None and self._fallback.poll():
@@ -253,6 +306,9 @@ class RuleManager:
         self._apply(self._files.read())
 
     def _hold(self, prepared: RuleExchange | None = None) -> None:
+        if (rules := self._in_force.rules) is not None and rules.rule_set.is_open:
+            self._seen.poll()
+        self._catch_up()
         self._live.reload(self._rules, prepared)
         if prepared is not None:
             self._watch.free(prepared)

@@ -16,6 +16,7 @@ from queue import Empty, SimpleQueue
 
 from smarttestudo.domain.errors import RuleFileError, TestudoError, said, testudo_error
 from smarttestudo.domain.timing import Yield
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.reload import RuleExchange
@@ -33,6 +34,16 @@ from smarttestudo.rules.rule_files import (
 )
 
 PUSHED = "rules_text"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CompiledAnew:
+    """What became of the rules ``before`` with what is known now, or why nothing did."""
+
+    before: LiveRules
+    rules: LiveRules | None = None
+    error: TestudoError | None = None
+    prepared: RuleExchange | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,6 +67,7 @@ class Reading:
 class LiveRuleFiles:
     """The rule files and the profile of a live run; several threads may read at a time.
 
+    ``known`` is what is known of the robot, for rules that depend on it.
     ``reads_broken``: a reading with an error has the rates that can be read all the same.
     """
 
@@ -66,12 +78,14 @@ class LiveRuleFiles:
         *,
         resolve: Resolve,
         output_topic: OutputTopic,
+        known: Callable[[], KnownTypes] = KnownTypes,
         reads_broken: bool = False,
     ) -> None:
         self._rules = rules
         self._profile = profile
         self._resolve = resolve
         self._output_topic = output_topic
+        self._known = known
         self._reads_broken = reads_broken
         self._numbers = count()
         self._ended = threading.Event()
@@ -145,14 +159,33 @@ class LiveRuleFiles:
 
         return read_toml_text(self._profile)
 
+    def up_to_date(self, rules: LiveRules) -> LiveRules:
+        """``rules`` as they are by what is known of the robot now, the same if that changes nothing.
+
+        Raises ``TestudoError``.
+        """
+        rule_set = rules.rule_set
+        if not rule_set.is_open:
+            return rules
+        known = self._known().needed(rule_set.patterns, rule_set.typed)
+        if known == rules.known:
+            return rules
+        if rule_set.anew is not None:
+            return self._with_outputs(replace(rules, rule_set=rule_set.by(known), known=known))
+        return self._compiled(rules.texts, rules.profile_text, known)
+
     def _checked(self, texts: Mapping[str, str], profile_text: str | None) -> LiveRules:
-        check = partial(check_live_rules, texts, self._profile, profile_text)
+        return self.up_to_date(self._compiled(texts, profile_text, KnownTypes()))
+
+    def _compiled(self, texts: Mapping[str, str], profile_text: str | None, known: KnownTypes) -> LiveRules:
+        check = partial(check_live_rules, texts, self._profile, profile_text, known=known)
         if are_large(texts):
             from smarttestudo.robot.rule_checking import check_elsewhere  # noqa: PLC0415  few rules are large
 
-            rules = check_elsewhere(check, self._resolve, self._ended.is_set)
-        else:
-            rules = check(self._resolve)
+            return self._with_outputs(check_elsewhere(check, self._resolve, self._ended.is_set))
+        return self._with_outputs(check(self._resolve))
+
+    def _with_outputs(self, rules: LiveRules) -> LiveRules:
         return replace(rules, output_topics=output_topics(rules.rule_set, self._output_topic))
 
 
@@ -173,6 +206,8 @@ class RuleWatch:
         self._prepare = prepare
         self._replaced: SimpleQueue[RuleExchange] = SimpleQueue()
         self._readings: SimpleQueue[Reading] = SimpleQueue()
+        self._to_compile: LiveRules | None = None
+        self._compiled: SimpleQueue[CompiledAnew] = SimpleQueue()
         self._ended = threading.Event()
         self._read: FileStates | None = last.states
         self._seen = self._read
@@ -186,6 +221,16 @@ class RuleWatch:
         with suppress(Empty):
             while True:
                 yield self._readings.get_nowait()
+
+    def compile_soon(self, rules: LiveRules) -> None:
+        """Compile large rules anew at the next poll, by what is known then."""
+        self._to_compile = rules
+
+    def compiled(self) -> Iterator[CompiledAnew]:
+        """What was compiled anew since the last call, where that changed anything."""
+        with suppress(Empty):
+            while True:
+                yield self._compiled.get_nowait()
 
     def free(self, replaced: RuleExchange) -> None:
         """Have the rules freed in the place of which ``replaced`` came into force."""
@@ -211,13 +256,26 @@ class RuleWatch:
                     replaced.dismantle(yield_turn)
                     del replaced
             if self._is_to_be_read():
-                self._readings.put(self._prepared(self._files.read()))
+                reading = self._files.read()
+                self._readings.put(replace(reading, prepared=self._prepared(reading.rules)))
+            if (rules := self._to_compile) is not None:
+                self._to_compile = None
+                self._compile(rules)
 
-    def _prepared(self, reading: Reading) -> Reading:
-        if reading.rules is None or not reading.rules.is_large:
-            return reading
+    def _compile(self, before: LiveRules) -> None:
+        try:
+            rules = self._files.up_to_date(before)
+        except Exception as error:  # noqa: BLE001 - as of a reading
+            self._compiled.put(CompiledAnew(before=before, error=testudo_error(error)))
+            return
+        if rules is not before:
+            self._compiled.put(CompiledAnew(before=before, rules=rules, prepared=self._prepared(rules)))
+
+    def _prepared(self, rules: LiveRules | None) -> RuleExchange | None:
+        if rules is None or not rules.is_large:
+            return None
         with low_priority() as yield_turn:
-            return replace(reading, prepared=self._prepare(reading.rules.rule_set, yield_turn))
+            return self._prepare(rules.rule_set, yield_turn)
 
     def _is_to_be_read(self) -> bool:
         try:

@@ -10,6 +10,7 @@ from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 from smarttestudo.domain.link import IncomingCommands
+from smarttestudo.domain.names import is_own_output, resolved_pattern
 from smarttestudo.domain.robot import Robot
 from smarttestudo.domain.status import Fallback
 from smarttestudo.domain.units import counted
@@ -35,6 +36,7 @@ from smarttestudo.robot.run_options import (
     TOPIC_PREFIX,
     RunParameters,
 )
+from smarttestudo.robot.seen_topics import SeenTopics
 from smarttestudo.rules.rule_files import refuse_missing
 
 if TYPE_CHECKING:
@@ -73,7 +75,7 @@ def run_live(
     prefix = settings[TOPIC_PREFIX]
 
     def resolve(topic: str) -> str:
-        return f"{prefix}{robot.resolve(topic)}"
+        return f"{prefix}{resolved_pattern(topic, robot.resolve)}"
 
     output_topic = OutputTopic.of(robot, settings[OUTPUT_TOPIC])
     writer = RuleFileWriter(settings[RULES], is_allowed=settings[ALLOW_WRITING_RULES])
@@ -84,11 +86,13 @@ def run_live(
         has_rules=bool(settings[RULES] or settings[RULES_TEXT]),
     )
     fallback = FallbackTopics(robot, output_topic=output_topic, topic_prefix=prefix, relays=relays)
+    seen = SeenTopics(robot, lambda topic: not is_own_output(topic, output_topic.pattern))
     files = LiveRuleFiles(
         settings[RULES],
         settings[PROFILE],
         resolve=resolve,
         output_topic=output_topic,
+        known=seen.known,
         reads_broken=relays is Fallback.READABLE,
     )
     first = first_rules(robot, files, settings, fallback)
@@ -103,7 +107,7 @@ def run_live(
     decisions = LiveDecisions(robot, [*decided, *(part.on_decisions for part in parts)])
     live = LiveRun(robot, inputs, rules, decisions, parts=parts, link=link)
     live.set_status_hz(settings[STATUS_RATE])
-    keeper = RuleManager(robot, live, files, fallback, first, writer=writer)
+    keeper = RuleManager(robot, live, files, fallback, first, seen=seen, writer=writer)
     with ExitStack() as running:
         for part in parts:
             running.enter_context(part.running())

@@ -178,4 +178,5 @@ class RuleSource:
     def compiled(self, types: KnownTypes) -> RuleSet:
         """The rules by these types. Raises as ``check_texts``."""
         tiers = tier_values_for(self.files, self.profile, self.resolve)
-        return replace(compile_rules(self.files, self.resolve, tiers, types), anew=self)
+        rule_set = compile_rules(self.files, self.resolve, tiers, types)
+        return replace(rule_set, anew=self) if rule_set.is_open else rule_set
