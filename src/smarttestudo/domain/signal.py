@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import Enum, IntEnum
 from typing import NamedTuple
 
@@ -43,6 +44,9 @@ class Signal(NamedTuple):
         return f"{self.topic} {self.property}"
 
 
+MAX_TEXT_BYTES = 1000
+"""As long may a text be that a rule compares with, in UTF-8."""
+
 Value = float | str
 """A signal's value at an instant."""
 
@@ -50,10 +54,12 @@ Values = Value | tuple[Value, ...]
 """That of a signal with ``[*]`` is the values of all elements."""
 
 
-def shown_value(values: Values | None) -> Value | None:
-    """The value that people see: of several the first."""
+def shown_value(
+    values: Values | None, is_compared: Callable[[Value], bool] = lambda _value: False
+) -> Value | None:
+    """The value that people see: of several the first that ``is_compared``, else the first."""
     if isinstance(values, tuple):
-        return values[0] if values else None
+        return next(filter(is_compared, values), values[0] if values else None)
     return values
 
 

@@ -10,6 +10,8 @@ from itertools import islice
 from smarttestudo.domain.signal import Signal, Truth, Value, shown_value
 from smarttestudo.domain.status import BlockStatus, CheckStatus, TimeStatus
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.normal_form import AnyElement
+from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.rule_set import RuleBlock, RuleSet, WrittenCheck, WrittenTime
 from smarttestudo.language.syntax import TimeWord
 from smarttestudo.loop.knowledge.knowledge import Knowledge
@@ -73,7 +75,8 @@ class BlockStates:
             state = self._latched[check.latch]
         elif values is not None:
             state = Truth.TRUE if check.holds_for(values) else Truth.FALSE
-        return CheckStatus(line=check.line, column=check.column, state=state, value=shown_value(values))
+        value = shown_value(values, check.holds_for)
+        return CheckStatus(line=check.line, column=check.column, state=state, value=value)
 
 
 _REMEMBERED = {Truth.TRUE: 1.0, Truth.FALSE: 0.0, Truth.UNKNOWN: None}
@@ -98,6 +101,9 @@ def values_in(states: Iterable[BlockStatus], rule_set: RuleSet) -> dict[Signal, 
                 values[check.signal] = read.value
                 if check.latch is not None:
                     values[Signal(*check.latch)] = _REMEMBERED[read.state]
+                elif ANY in check.signal.property:
+                    of_any = AnyElement(check.signal, check.region)
+                    values[Signal(*of_any)] = _REMEMBERED[read.state]
         for time in block.times:
             lasted = times.get((time.line, time.column))
             if lasted is not None:

@@ -93,17 +93,17 @@ def _take(
             watched.source.record(now_ns)
             watched.arrivals.record(now_ns, observation.size_bytes)
             if watched.fields:
-                _read(knowledge, watched, observation)
+                _read(knowledge, watched, observation, now_ns)
         case SourceChanged():
             watched.change_source(observation)
 
 
-def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival) -> None:
+def _read(knowledge: Knowledge, watched: WatchedTopic, arrival: Arrival, now_ns: int) -> None:
     if arrival.message is None or isinstance(arrival.message, Undecodable):
         watched.fields.forget()
         knowledge.undecodable[arrival.topic] += 1
         return
-    for signal in watched.fields.read(arrival.message):
+    for signal in watched.fields.read(arrival.message, now_ns):
         knowledge.unknown_values[signal] += 1
 
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from collections.abc import Set as AbstractSet
 
 from smarttestudo.domain.decision import PlannedRate
@@ -13,6 +13,7 @@ from smarttestudo.domain.timing import Yield, never_yield, yielding
 from smarttestudo.language.evaluator.arbiter import RequestedRate, Steps, arbiters_of
 from smarttestudo.language.evaluator.graph import Graph, Propagation
 from smarttestudo.language.evaluator.literal import (
+    ElementThresholds,
     Latch,
     Leaf,
     Literal,
@@ -222,15 +223,19 @@ def _literal(graph: Graph, block: RuleBlock) -> Literal:
     return literal
 
 
-def _thresholds(graph: Graph) -> dict[Signal, Thresholds | TextThresholds]:
+AnyThresholds = Thresholds | TextThresholds | ElementThresholds
+
+
+def _thresholds(graph: Graph) -> dict[Signal, AnyThresholds]:
     leaves: dict[Signal, list[Leaf | Latch]] = {
         signal: [*by_region.values()] for signal, by_region in graph.leaves.items()
     }
     for latch in graph.latches.values():
         leaves.setdefault(latch.source, []).append(latch)
-    return {
-        signal: TextThresholds(found)
-        if signal.kind is SignalKind.TEXT or ANY in signal.property
-        else Thresholds(found)
-        for signal, found in leaves.items()
-    }
+    return {signal: _thresholds_of(signal, found) for signal, found in leaves.items()}
+
+
+def _thresholds_of(signal: Signal, leaves: Iterable[Leaf | Latch]) -> AnyThresholds:
+    if ANY in signal.property:
+        return ElementThresholds(leaves)
+    return TextThresholds(leaves) if signal.kind is SignalKind.TEXT else Thresholds(leaves)

@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Collection, Hashable, Iterable
+from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
-from smarttestudo.domain.signal import Signal, Truth, Values
+from smarttestudo.domain.signal import Signal, Truth, Value, Values
 from smarttestudo.language.normal_form import LastSeen
 from smarttestudo.language.region import Bound, Region
 from smarttestudo.language.text_region import SetOfValues, TextRegion
@@ -227,10 +227,7 @@ class Join(Node):
 
 
 class TextThresholds:
-    """Which leaves a change of the signal's text can touch: those that compare with the old or the new one.
-
-    A signal with ``[*]`` has several texts, or numbers, at a time.
-    """
+    """Which leaves a change of the signal's text can touch: those that compare with the old or the new."""
 
     __slots__ = ("_leaves", "_leaves_of", "cuts", "value")
 
@@ -238,9 +235,9 @@ class TextThresholds:
         self._leaves = tuple(leaves)
         self._leaves_of: dict[str, list[Leaf | Latch]] = {}
         for leaf in self._leaves:
-            for region in leaf.regions:
-                for text in region.texts if isinstance(region, TextRegion) else ():
-                    self._leaves_of.setdefault(text, []).append(leaf)
+            texts = (text for region in leaf.regions for text in _texts(region))
+            for text in dict.fromkeys(texts):
+                self._leaves_of.setdefault(text, []).append(leaf)
         self.cuts: list[Bound] = []
         self.value: Values | None = None
 
@@ -262,6 +259,84 @@ class TextThresholds:
         if not isinstance(before, str) or not isinstance(value, str):
             return self._leaves
         return {*self._leaves_of.get(before, ()), *self._leaves_of.get(value, ())}
+
+
+def _texts(region: SetOfValues) -> Iterable[str]:
+    return region.texts if isinstance(region, TextRegion) else ()
+
+
+class ElementThresholds:
+    """Which leaves a change of the values of all elements can touch.
+
+    Values that every comparison takes alike are of one place, and ``value`` has the first of each: of numbers
+    the places are between cuts, of texts each that is compared with, and all others together.
+    """
+
+    __slots__ = ("_always", "_given", "_leaves", "_leaves_of", "_places", "cuts", "value")
+
+    has_latch = False
+
+    def __init__(self, leaves: Iterable[Leaf | Latch]) -> None:
+        self._leaves = tuple(leaves)
+        regions = {leaf: region for leaf in self._leaves for region in leaf.regions}
+        ends = {cut for region in regions.values() if isinstance(region, Region) for cut in region.cuts}
+        self.cuts = sorted(ends)
+        # What is no single comparison has other ends than these.
+        self._always = [leaf for leaf, region in regions.items() if region.comparison is None]
+        self._leaves_of: dict[Hashable, list[Leaf | Latch]] = {}
+        for leaf, region in regions.items():
+            for end in region.cuts if isinstance(region, Region) else region.texts:
+                self._leaves_of.setdefault(end, []).append(leaf)
+        self._given: Values | None = None
+        self._places: Mapping[Any, Value] | None = None
+        self.value: Values | None = None
+
+    def move(self, value: Values | None) -> Collection[Leaf | Latch]:
+        """Take the new values (``None``: unknown); the leaves that may have changed."""
+        if value is self._given:
+            return ()
+        self._given = value
+        before, after = self._places, self._first_of_places(value) if isinstance(value, tuple) else None
+        self._places = after
+        self.value = None if after is None else tuple(after.values())
+        if before is None and after is None:
+            return ()
+        if not before or not after:
+            return self._leaves
+        if before.keys() == after.keys():
+            return ()
+        return {*self._always, *(leaf for end in self._ends(before, after) for leaf in self._leaves_of[end])}
+
+    def _first_of_places(self, values: Sequence[Value]) -> Mapping[Any, Value]:
+        """The first of ``values`` in each place that has one."""
+        firsts: dict[Any, Value] = {}
+        most = len(self._leaves_of) + 1
+        if self.cuts and values:
+            low, high = self._place(min(values)), self._place(max(values))
+            most = high - low + 1
+        for value in values:
+            firsts.setdefault(self._place(value), value)
+            if len(firsts) == most:
+                break
+        return firsts
+
+    def _place(self, value: Any) -> Any:
+        if self.cuts:
+            return bisect_left(self.cuts, (value, 0))
+        return value if value in self._leaves_of else None
+
+    def _ends(self, before: Mapping[Any, Value], after: Mapping[Any, Value]) -> Iterator[Hashable]:
+        """The ends of comparisons that hold for some value before or after, and not the other time."""
+        changed = before.keys() ^ after.keys()
+        if not self.cuts:
+            # Where all are of one text, nothing differs from it.
+            alone = [place for places in (before, after) if len(places) == 1 for place in places]
+            yield from (place for place in {*changed, *alone} if place is not None)
+            return
+        for place in changed:
+            yield from self.cuts[max(place - 1, 0) : place + 1]
+        for first, last in ((min(before), min(after)), (max(before), max(after))):
+            yield from self.cuts[min(first, last) : max(first, last)]
 
 
 class Thresholds:

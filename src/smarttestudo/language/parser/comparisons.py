@@ -8,6 +8,7 @@ import re
 from typing import NoReturn
 
 from smarttestudo.domain.finding import Fix
+from smarttestudo.domain.signal import MAX_TEXT_BYTES
 from smarttestudo.language.parser.cursor import (
     BrokenStatementError,
     Cursor,
@@ -19,7 +20,6 @@ from smarttestudo.language.parser.lexer import Token, TokenKind, tokenize
 from smarttestudo.language.parser.values import parse_number, quoted, unquoted
 from smarttestudo.language.syntax import Compared, Constant, Operator, Until
 
-MAX_TEXT_BYTES = 1000
 _OPERATORS = {operator.value: operator for operator in Operator}
 _EQUALITIES = frozenset({Operator.EQUAL, Operator.NOT_EQUAL})
 _TRUTHS = {"true": True, "false": False}

@@ -5,6 +5,7 @@
 from smarttestudo.language.properties.accuracy import gauges_for, needs_decoded
 from smarttestudo.language.properties.distances import wraps
 from smarttestudo.language.properties.field_path import PropertySpec, Reader, is_field_path, part_reader
+from smarttestudo.language.properties.signal_readers import SignalReader, reads_element, signal_reader
 from smarttestudo.language.properties.table import (
     ARRIVAL_PROPERTIES,
     accuracy_properties_of,
@@ -21,6 +22,7 @@ __all__ = [
     "ARRIVAL_PROPERTIES",
     "PropertySpec",
     "Reader",
+    "SignalReader",
     "accuracy_properties_of",
     "conventional_types",
     "gauges_for",
@@ -32,6 +34,8 @@ __all__ = [
     "properties_for_bounds",
     "properties_of",
     "property_spec",
+    "reads_element",
+    "signal_reader",
     "value_reader",
     "wraps",
 ]

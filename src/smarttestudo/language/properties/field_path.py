@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from enum import Enum
+from typing import Any
 
 Reader = Callable[[object], float]
 """Reads a decoded message; NaN stands for unknown."""
@@ -36,7 +38,8 @@ ANY = "[*]"
 _FIELD = r"[A-Za-z][A-Za-z0-9_]*"
 _ELEMENT = r'\[(?:-1|\d{1,9}|\*|"(?:[^"\\\r\n]|\\["\\]){1,200}")\]'
 _PATH = re.compile(rf"{_FIELD}(?:{_ELEMENT})*(?:\.{_FIELD}(?:{_ELEMENT})*)*\Z")
-_STEP = re.compile(rf"({_FIELD})|\[(\d+)\]")
+_STEP = re.compile(rf'({_FIELD})|\[(?:(-?\d+)|(\*)|"((?:[^"\\]|\\.)*)")\]')
+_ESCAPE = re.compile(r"\\(.)")
 _NAME = re.compile(r"[^\W\d]\w*\Z")
 
 
@@ -64,21 +67,86 @@ def field_reader(path: str) -> Reader:
 def part_reader(path: str) -> Callable[[object], object]:
     """Read the part of a message at ``path``, of any type; missing or beyond an array's end is ``None``.
 
-    A ``byte`` is a number, as it is of a recording: rclpy has it as bytes of length one.
+    A ``byte`` is a number, as it is of a recording: rclpy has it as bytes of length one. With ``[*]`` it is
+    a list of the parts of all elements.
     """
-    steps = _steps(path.removeprefix(MESSAGE_PREFIX))
+    steps = path_steps(path)
+    if any(isinstance(step, ElementName | EachElement) for step in steps):
+
+        def read_elements(message: object) -> object:
+            part = part_at(message, steps)
+            if isinstance(part, list):
+                return [None if isinstance(each, Missing) else each for each in part]
+            return None if isinstance(part, Missing) else part
+
+        return read_elements
+    plain = [step for step in steps if isinstance(step, str | int)]
 
     def read(message: object) -> object:
         value = message
-        for step in steps:
+        for step in plain:
             value = _item(value, step) if isinstance(step, int) else getattr(value, step, None)
         return value[0] if isinstance(value, bytes) and len(value) == 1 else value
 
     return read
 
 
-def _steps(path: str) -> tuple[str | int, ...]:
-    return tuple(name or int(index) for name, index in _STEP.findall(path))
+@dataclass(frozen=True, slots=True)
+class ElementName:
+    """A step to the element of an array that has this name."""
+
+    text: str
+
+
+class EachElement(Enum):
+    """A step to each element of an array."""
+
+    STEP = ANY
+
+
+class Missing(Enum):
+    """Why a message has no part at a path."""
+
+    PART = "part"
+    """It has no such field, or the array ends before."""
+    ELEMENT = "element"
+    """No element has that name in this message."""
+
+
+Step = str | int | ElementName | EachElement
+
+
+def path_steps(path: str) -> tuple[Step, ...]:
+    """The steps of a field path, without the ``msg.`` that may stand before it."""
+    return tuple(map(_step, _STEP.finditer(path.removeprefix(MESSAGE_PREFIX))))
+
+
+def _step(found: re.Match[str]) -> Step:
+    field, index, each, name = found.groups()
+    if field is not None:
+        return field
+    if index is not None:
+        return int(index)
+    return EachElement.STEP if each else ElementName(_ESCAPE.sub(r"\1", name))
+
+
+def part_at(message: object, steps: Sequence[Step]) -> object:
+    """The part of a message that ``steps`` lead to, a list of those of each element, or why it is missing."""
+    around, part = None, message
+    for number, step in enumerate(steps):
+        before = part
+        if isinstance(step, str):
+            part = getattr(part, step, Missing.PART)
+        elif isinstance(step, int):
+            part = _item(part, step)
+        elif isinstance(step, ElementName):
+            part = _named(around, part, step.text)
+        else:
+            return _each(part, steps[number + 1 :])
+        if part is None or isinstance(part, Missing):
+            return part or Missing.PART
+        around = before
+    return part[0] if isinstance(part, bytes) and len(part) == 1 else part
 
 
 def _item(value: object, index: int) -> object:
@@ -89,6 +157,37 @@ def _item(value: object, index: int) -> object:
     except (IndexError, KeyError, TypeError):
         return None
     return item
+
+
+def _each(array: Any, steps: Sequence[Step]) -> object:
+    if not is_array(array):
+        return Missing.PART
+    return [part_at(element, steps) for element in array] if steps else array
+
+
+def is_array(part: object) -> bool:
+    """Whether ``part`` is an array of a message; a text is none."""
+    return hasattr(part, "__getitem__") and hasattr(part, "__len__") and not isinstance(part, str)
+
+
+def _named(around: object, array: Any, name: str) -> object:
+    """The first element of ``array`` called ``name``, by its own field or by the texts beside the array."""
+    if not is_array(array):
+        return Missing.PART
+    if len(array) and (hasattr(array[0], "name") or hasattr(array[0], "key")):
+        return next((element for element in array if name in _names(element)), Missing.ELEMENT)
+    names = getattr(around, "name", None)
+    if not isinstance(names, Sequence) or isinstance(names, str):
+        return Missing.PART if len(array) else Missing.ELEMENT
+    place = names.index(name) if name in names else len(array)
+    return array[place] if place < len(array) else Missing.ELEMENT
+
+
+def _names(element: object) -> Iterator[str]:
+    for field in ("name", "key"):
+        name = getattr(element, field, None)
+        if isinstance(name, str):
+            yield name
 
 
 def number(value: object) -> float:

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from smarttestudo.domain.profile import LevelUnit
+from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, Reader, field_reader, number
 
 
@@ -128,6 +129,46 @@ class BatteryLevel:
         return value if self._unit is LevelUnit.PERCENT else value * 100
 
 
+class GoalMessage(Protocol):
+    """An action_msgs GoalStatusArray."""
+
+    status_list: Sequence[Any]
+
+
+_ENDED = frozenset({4, 5, 6})
+"""STATUS_SUCCEEDED, STATUS_CANCELED and STATUS_ABORTED."""
+
+
+class LatestGoal:
+    """Reads the status of the goal of an action that was accepted last.
+
+    Goals that had ended in the first message are not looked at: they are of before. A goal that a newer one
+    replaced is not looked at any more, whatever becomes of it.
+    """
+
+    def __init__(self) -> None:
+        self._ended_before: frozenset[bytes] | None = None
+        self._accepted_ns = 0
+        self._status = math.nan
+
+    def __call__(self, message: GoalMessage) -> float:
+        """The status, NaN before there is such a goal."""
+        goals = [
+            (bytes(one.goal_info.goal_id.uuid), _stamp_ns(one.goal_info.stamp), number(one.status))
+            for one in message.status_list
+        ]
+        if self._ended_before is None:
+            self._ended_before = frozenset(goal_id for goal_id, _, status in goals if status in _ENDED)
+        for goal_id, accepted_ns, status in goals:
+            if goal_id not in self._ended_before and accepted_ns >= self._accepted_ns:
+                self._accepted_ns, self._status = accepted_ns, status
+        return self._status
+
+
+def _stamp_ns(stamp: Any) -> int:
+    return int(stamp.sec) * NS_PER_S + int(stamp.nanosec)
+
+
 _Habit = Callable[[object], bool]
 _T = TypeVar("_T")
 
@@ -145,6 +186,23 @@ def known_only(type_name: str, path: str, read: Callable[[object], _T]) -> Calla
         return read
     is_unknown = habit(path)
     return lambda message: math.nan if is_unknown(message) else read(message)
+
+
+def known_elements(type_name: str, path: str) -> Callable[[object], Callable[[Any], bool]] | None:
+    """What of the values of all elements, ``path`` with ``[*]``, a message says to be known.
+
+    ``None``: all are.
+    """
+    limits = _LIMITS.get((type_name, path.removeprefix(MESSAGE_PREFIX).partition("[")[0]))
+    if limits is None:
+        return None
+    read_low, read_high = map(field_reader, limits)
+
+    def known(message: object) -> Callable[[Any], bool]:
+        low, high = read_low(message), read_high(message)
+        return lambda value: high > 0 and (math.isinf(value) or low <= value <= high)
+
+    return known
 
 
 def _negative(path: str) -> _Habit:
@@ -172,12 +230,17 @@ def _said_by(path: str) -> Callable[[str], _Habit]:
     return lambda _: is_unknown
 
 
+_LIMITS: Mapping[tuple[str, str], tuple[str, str]] = MappingProxyType(
+    {
+        ("sensor_msgs/msg/LaserScan", "ranges"): ("range_min", "range_max"),
+        ("sensor_msgs/msg/Range", "range"): ("min_range", "max_range"),
+    }
+)
 _IMU, _FIX = "sensor_msgs/msg/Imu", "sensor_msgs/msg/NavSatFix"
 _HABITS: Mapping[tuple[str, str], Callable[[str], _Habit]] = MappingProxyType(
     {
         ("sensor_msgs/msg/BatteryState", "percentage"): _negative,
-        ("sensor_msgs/msg/LaserScan", "ranges"): _beyond("range_min", "range_max"),
-        ("sensor_msgs/msg/Range", "range"): _beyond("min_range", "max_range"),
+        **{field: _beyond(*limits) for field, limits in _LIMITS.items()},
         **{
             (_IMU, field): _said_by(f"{field}_covariance[0]")
             for field in ("orientation", "angular_velocity", "linear_acceleration")

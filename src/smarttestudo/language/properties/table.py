@@ -204,6 +204,13 @@ _LEVEL = ValueProperty(
     read_of=readers.BatteryLevel,
     known_by="percentage",
 )
+_GOAL = ValueProperty(
+    spec=PropertySpec(
+        name="goal", unit="", meaning="status of the goal that was accepted last", minimum=0.0, maximum=6.0
+    ),
+    read_of=lambda _unit: readers.LatestGoal(),
+    known_by="status_list",
+)
 _OF_POSE = (
     _value("pose_x", "m", "position along x", lambda pose: pose.position.x, part=MessagePart.POSE),
     _value("pose_y", "m", "position along y", lambda pose: pose.position.y, part=MessagePart.POSE),
@@ -338,6 +345,7 @@ _TYPES: Mapping[str, MessageType] = MappingProxyType(
             )
         ),
         "sensor_msgs/msg/BatteryState": MessageType(values=(_LEVEL,)),
+        "action_msgs/msg/GoalStatusArray": MessageType(values=(_GOAL,)),
         "sensor_msgs/msg/Imu": MessageType(values=_OF_IMU),
         "sensor_msgs/msg/JointState": MessageType(
             values=_OF_JOINTS, distances=(_JOINT_DISTANCE,), gauge=JointGauge

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter, deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
 from smarttestudo.domain.observation import LinkBudget
@@ -16,7 +17,9 @@ from smarttestudo.domain.signal import Signal, Value, shown_value
 from smarttestudo.domain.timing import AlarmClock, SteadyTime
 from smarttestudo.domain.units import ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
+from smarttestudo.language.normal_form import reads
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.language.text_region import SetOfValues
 from smarttestudo.loop.knowledge.link_use import LinkUse
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
 
@@ -244,13 +247,18 @@ class Knowledge:
         """Values that the condition of the block of that order reads at ``now_ns``, by signal name."""
         if block is None:
             return {}
-        signals = self.evaluator.reads(block)
+        regions: dict[Signal, list[SetOfValues]] = {}
+        for within in reads(self.rule_set.blocks[block].form):
+            regions.setdefault(within.signal, []).append(within.region)
         values = {
             signal: value
-            for topic in {signal.topic for signal in signals}
+            for topic in {signal.topic for signal in regions}
             for signal, value in self.watched[topic].readings(now_ns)
         }
-        return {str(signal): shown_value(values[signal]) for signal in signals}
+        return {
+            str(signal): shown_value(values[signal], partial(_is_in_any, regions[signal]))
+            for signal in sorted(regions)
+        }
 
     @property
     def next_wake_ns(self) -> int | None:
@@ -260,6 +268,10 @@ class Knowledge:
         times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, rules_ns, check_ns)
         earliest_ns = min([at_ns for at_ns in times_ns if at_ns is not None], default=None)
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
+
+
+def _is_in_any(regions: Iterable[SetOfValues], value: Value) -> bool:
+    return any(region.contains(value) for region in regions)  # type: ignore[arg-type]  # of one sort
 
 
 def watched_topics(

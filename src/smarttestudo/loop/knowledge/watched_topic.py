@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import LevelUnit, TopicProfile
 from smarttestudo.domain.rate_meter import SourcePeriod
-from smarttestudo.domain.signal import ArrivalProperty, Signal, Values
+from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind, Values
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S, ns_from_s
-from smarttestudo.language.properties import Reader, value_reader
+from smarttestudo.language.properties import SignalReader, reads_element, signal_reader
 from smarttestudo.language.region import Bound
 
 WINDOW_S = 2
@@ -143,15 +143,21 @@ Reading = tuple[Signal, Values | None]
 class Fields:
     """The values of each signal in the last message of one topic; NaN and missing fields are unknown.
 
-    Until the topic's type is known, properties are plain field paths.
+    An element that the last message does not have keeps the value that it had. Until the topic's type is
+    known, properties are plain field paths.
     """
 
-    __slots__ = ("_level_unit", "_readers", "_readings", "_signals", "_type_name")
+    __slots__ = ("_elements", "_kinds", "_level_unit", "_readers", "_readings", "_signals", "_type_name")
 
     def __init__(self, signals: Sequence[Signal], type_name: str, level_unit: LevelUnit | None) -> None:
         self._signals = signals
         self._level_unit = level_unit
         self._type_name = type_name
+        self._elements = {
+            place: SourcePeriod() for place, signal in enumerate(signals) if reads_element(signal.property)
+        }
+        whole = (signal for place, signal in enumerate(signals) if place not in self._elements)
+        self._kinds = sorted({signal.kind for signal in whole})
         self._readings = self.unknown_readings()
         self._readers = self._new_readers()
 
@@ -162,10 +168,15 @@ class Fields:
     def restore_history(self, before: Fields) -> None:
         """Take over the type, and the last values of the signals that ``before`` reads in the same way."""
         self.change_type(before._type_name)
-        if self._type_name == before._type_name and self._level_unit is before._level_unit:
-            readers, values = dict(before._readers), dict(before._readings)
-            self._readers = [(signal, readers.get(signal, reader)) for signal, reader in self._readers]
-            self._readings = [(signal, values.get(signal)) for signal in self._signals]
+        if self._type_name != before._type_name or self._level_unit is not before._level_unit:
+            return
+        readers = {_way_of(signal): reader for signal, reader in before._readers}
+        values = {_way_of(signal): value for signal, value in before._readings}
+        self._readers = [(signal, readers.get(_way_of(signal), reader)) for signal, reader in self._readers]
+        self._readings = [(signal, values.get(_way_of(signal))) for signal in self._signals]
+        periods = {_way_of(before._signals[place]): period for place, period in before._elements.items()}
+        for place, period in self._elements.items():
+            self._elements[place] = periods.get(_way_of(self._signals[place]), period)
 
     def change_type(self, type_name: str) -> None:
         """Read messages of another type from now on; an empty name changes nothing."""
@@ -174,27 +185,60 @@ class Fields:
             self._readers = self._new_readers()
 
     def forget(self) -> None:
-        """The last message could not be read."""
+        """The last message could not be read, or nobody is there who could send the next one."""
         self._readings = self.unknown_readings()
 
-    def read(self, message: object) -> list[Signal]:
+    def read(self, message: object, now_ns: int) -> list[Signal]:
         """Take the fields of ``message``; returns the signals that it leaves unknown."""
-        values = [(signal, reader(message)) for signal, reader in self._readers]
-        self._readings = [(signal, None if math.isnan(value) else value) for signal, value in values]
-        return [signal for signal, value in self._readings if value is None]
+        before = self._readings
+        found = [(signal, reader(message)) for signal, reader in self._readers]
+        # NaN differs from itself; a text is no number that ``isnan`` takes.
+        self._readings = [(signal, None if value != value else value) for signal, value in found]  # noqa: PLR0124
+        unknown = [signal for signal, value in self._readings if value is None]
+        for place, period in self._elements.items():
+            signal, value = found[place]
+            if value is None:
+                self._readings[place] = before[place]
+                unknown.remove(signal)
+            else:
+                period.record(now_ns)
+        return unknown
 
-    def readings(self) -> list[Reading]:
-        return self._readings.copy()
+    def readings(self, source: SourceState, now_ns: int) -> list[Reading]:
+        """The values that still count at ``now_ns``."""
+        if not source.has_value:
+            return self.unknown_readings()
+        stale = [kind for kind in self._kinds if not source.is_fresh(now_ns, kind)]
+        if not stale and not self._elements:
+            return self._readings.copy()
+        readings = [(signal, None if signal.kind in stale else value) for signal, value in self._readings]
+        for place, period in self._elements.items():
+            signal, value = self._readings[place]
+            readings[place] = signal, value if source.is_fresh(now_ns, signal.kind, period) else None
+        return readings
+
+    def stale_from_ns(self, source: SourceState, now_ns: int) -> int | None:
+        """When the next value becomes stale if no message comes; ``None`` while none will."""
+        stale_ns = [source.stale_from_ns(kind) for kind in self._kinds]
+        for place, period in self._elements.items():
+            stale_ns.append(source.stale_from_ns(self._signals[place].kind, period))
+        return min((at_ns for at_ns in stale_ns if at_ns is not None and at_ns > now_ns), default=None)
 
     def unknown_readings(self) -> list[Reading]:
         """All signals as unknown."""
         return [(signal, None) for signal in self._signals]
 
-    def _new_readers(self) -> list[tuple[Signal, Reader]]:
-        return [
-            (signal, value_reader(self._type_name, signal.property, self._level_unit))
-            for signal in self._signals
-        ]
+    def _new_readers(self) -> list[tuple[Signal, SignalReader]]:
+        made: dict[tuple[str, bool], SignalReader] = {}
+        for signal in self._signals:
+            if _way_of(signal) not in made:
+                made[_way_of(signal)] = signal_reader(self._type_name, signal, self._level_unit)
+        return [(signal, made[_way_of(signal)]) for signal in self._signals]
+
+
+def _way_of(signal: Signal) -> tuple[str, bool]:
+    """How it is read: a number and a state are by one reader, which may remember what came before."""
+    return signal.property, signal.kind is SignalKind.TEXT
 
 
 class SourceState:
@@ -244,25 +288,35 @@ class SourceState:
         """The time of the last message, or the loop's start."""
         return self._start_ns if self._period.last_ns is None else self._period.last_ns
 
-    def is_fresh(self, now_ns: int) -> bool:
-        """Whether the values of the last message still count."""
-        if not (self._has_message and self._has_publishers):
-            return False
-        stale_from_ns = self.stale_from_ns
+    @property
+    def has_value(self) -> bool:
+        """Whether a publisher is there, and has sent a message."""
+        return self._has_message and self._has_publishers
+
+    def is_fresh(self, now_ns: int, kind: SignalKind, period: SourcePeriod | None = None) -> bool:
+        """Whether values of that kind still count, while there is a publisher."""
+        stale_from_ns = self.stale_from_ns(kind, period)
         return stale_from_ns is None or now_ns < stale_from_ns
 
-    @property
-    def stale_from_ns(self) -> int | None:
-        """When the last message becomes stale; ``None`` while it never will."""
-        return self._period.stale_from_ns(
-            stale_after_ns=self._stale_after_ns, transient_local=self._transient_local
+    def stale_from_ns(self, kind: SignalKind, period: SourcePeriod | None = None) -> int | None:
+        """When values of that kind become stale; ``None`` while they never will.
+
+        Words are published when they change, and last as latched messages do. An element that comes in
+        ``period`` becomes stale by that.
+        """
+        return (period or self._period).stale_from_ns(
+            stale_after_ns=self._stale_after_ns,
+            transient_local=self._transient_local or kind is not SignalKind.NUMBER,
         )
 
 
 class WatchedTopic:
-    """The source of one topic, its fields and its arrivals, and from them the value of each signal."""
+    """The source of one topic, its fields and its arrivals, and from them the value of each signal.
 
-    __slots__ = ("_arrival_signals", "arrivals", "fields", "source")
+    What is compared with a constant that nobody knows is not read, and stays unknown.
+    """
+
+    __slots__ = ("_arrival_signals", "_unread", "arrivals", "fields", "source")
 
     def __init__(
         self,
@@ -271,14 +325,24 @@ class WatchedTopic:
         start_ns: int,
         cuts: Callable[[Signal], Sequence[Bound]],
     ) -> None:
-        kinds = {signal: ArrivalProperty.named(signal.property) for signal in signals}
-        self._arrival_signals = {kind: signal for signal, kind in kinds.items() if kind is not None}
-        self.arrivals = Arrivals({kind: cuts(signal) for kind, signal in self._arrival_signals.items()})
-        self.fields = Fields(
-            [signal for signal, kind in kinds.items() if kind is None],
-            profile.type_name or "",
-            profile.level_unit,
+        self._arrival_signals: dict[ArrivalProperty, list[Signal]] = {}
+        self._unread: list[Reading] = []
+        fields: list[Signal] = []
+        for signal in signals:
+            arrival = ArrivalProperty.named(signal.property)
+            if signal.kind is SignalKind.UNRESOLVED or (arrival and signal.kind is SignalKind.TEXT):
+                self._unread.append((signal, None))
+            elif arrival is None:
+                fields.append(signal)
+            else:
+                self._arrival_signals.setdefault(arrival, []).append(signal)
+        self.arrivals = Arrivals(
+            {
+                arrival: sorted({cut for signal in read for cut in cuts(signal)})
+                for arrival, read in self._arrival_signals.items()
+            }
         )
+        self.fields = Fields(fields, profile.type_name or "", profile.level_unit)
         after_s = profile.stale_after_s
         self.source = SourceState(start_ns, None if after_s is None else ns_from_s(after_s))
 
@@ -291,20 +355,21 @@ class WatchedTopic:
     def change_source(self, change: SourceChanged) -> None:
         self.source.change(change)
         self.fields.change_type(change.type_name)
+        if not change.publishers:
+            self.fields.forget()
 
     def readings(self, now_ns: int) -> list[Reading]:
         """The value of every signal at ``now_ns``."""
-        is_fresh = self.source.is_fresh(now_ns)
-        readings = self.fields.readings() if is_fresh else self.fields.unknown_readings()
+        readings = self.fields.readings(self.source, now_ns)
         if self.arrivals:
-            for kind, value in self.arrivals.values(now_ns, self.source.silent_since_ns):
-                readings.append((self._arrival_signals[kind], value))
-        return readings
+            for arrival, value in self.arrivals.values(now_ns, self.source.silent_since_ns):
+                readings += [(signal, value) for signal in self._arrival_signals[arrival]]
+        return readings + self._unread if self._unread else readings
 
     def next_change_ns(self, now_ns: int) -> int | None:
         """When time alone next changes what a check makes of the topic."""
-        stale_from_ns = self.source.stale_from_ns if self.fields else None
-        changes_ns = [] if stale_from_ns is None or stale_from_ns <= now_ns else [stale_from_ns]
+        stale_from_ns = self.fields.stale_from_ns(self.source, now_ns)
+        changes_ns = [] if stale_from_ns is None else [stale_from_ns]
         if self.arrivals:
             changes_ns += self.arrivals.changes_ns(now_ns, self.source.silent_since_ns)
         return min(changes_ns, default=None)
