@@ -41,6 +41,8 @@ def filled(type_name: str, chance: random.Random) -> Any:
         if node is Nodetype.BASE:
             if of[0] == "string":
                 return "a"
+            if name == "status":
+                return chance.randrange(1, 4)
             number = LIMITS.get(name, chance.uniform(0.1, 0.9))
             return number if of[0].startswith("float") else int(number)
         element, count = of
