@@ -9,12 +9,16 @@ import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, SignalKind, Value
+from smarttestudo.domain.signal import Values as SignalValues
+from smarttestudo.language.known_types import KnownTypes, TypeDefinition
 from smarttestudo.language.syntax import (
     And,
     Block,
     Check,
+    Compared,
     Condition,
+    Constant,
     Group,
     KeepAtLeast,
     Not,
@@ -30,8 +34,14 @@ from smarttestudo.language.syntax_walks import (
     sets_in,
 )
 
-Values = Mapping[Signal, float | None]
-"""A missing signal, ``None`` and NaN are unknown."""
+Values = Mapping[Signal, SignalValues | None]
+"""A missing signal, ``None`` and NaN are unknown; of all elements there are several values."""
+
+CONSTANTS: Mapping[str, Value] = {"ONE": 1.0, "DOCK": "dock"}
+"""Those of the type of ``/p``; all others are of no known type."""
+TYPES = KnownTypes(
+    topics={"/p": "own/msg/Own"}, definitions={"own/msg/Own": TypeDefinition(constants=CONSTANTS)}
+)
 
 COMPARISONS = {
     Operator.GREATER: operator.gt,
@@ -49,11 +59,12 @@ def naive_truth(condition: Condition, values: Values) -> bool | None:
         case Timed():
             raise TypeError(condition)
         case Check():
-            value = values.get(Signal(condition.topic.text, condition.property))
-            if value is None or math.isnan(value):
+            value = values.get(naive_signal(condition))
+            if isinstance(value, tuple):
+                return any(naive_holds(condition, each) for each in value)
+            if value is None or (isinstance(value, float) and math.isnan(value)):
                 return None
-            assert isinstance(condition.value, float)
-            return bool(COMPARISONS[condition.operator](value, condition.value))
+            return naive_holds(condition, value)
         case Group():
             return naive_truth(condition.operand, values)
         case Not():
@@ -67,10 +78,51 @@ def naive_truth(condition: Condition, values: Values) -> bool | None:
             return True if True in parts else None if None in parts else False
 
 
+def naive_compared(one: Check) -> Compared | None:
+    """What a check compares with; ``None`` for a constant that nobody knows."""
+    if not isinstance(one.value, Constant):
+        return one.value
+    return CONSTANTS.get(one.value.name) if one.topic.text == "/p" else None
+
+
+def naive_holds(one: Check, value: Value) -> bool:
+    """Whether a comparison holds for a value of its sort."""
+    return bool(COMPARISONS[one.operator](value, naive_compared(one)))
+
+
+def naive_signal(one: Check) -> Signal:
+    topic, compared = one.topic.text, naive_compared(one)
+    if compared is None:
+        return Signal(topic, f"{one.property} {one.value}", SignalKind.UNRESOLVED)
+    if isinstance(compared, str):
+        return Signal(topic, one.property, SignalKind.TEXT)
+    is_word = isinstance(one.value, bool | Constant)
+    return Signal(topic, one.property, SignalKind.STATE if is_word else SignalKind.NUMBER)
+
+
+def naive_checks(condition: Condition) -> Iterator[Check]:
+    match condition:
+        case Check():
+            yield condition
+        case Group() | Not() | Timed():
+            yield from naive_checks(condition.operand)
+        case And() | Or():
+            for part in condition.operands:
+                yield from naive_checks(part)
+
+
+def naive_shown(condition: Condition, signal: Signal, value: SignalValues | None) -> Value | None:
+    """The value that a decision shows: of several the first that is compared with, else the first."""
+    if not isinstance(value, tuple):
+        return value
+    checks = [one for one in naive_checks(condition) if naive_signal(one) == signal]
+    return next((each for each in value if any(naive_holds(one, each) for one in checks)), [*value, None][0])
+
+
 def naive_signals(condition: Condition) -> set[Signal]:
     match condition:
         case Check():
-            return {Signal(condition.topic.text, condition.property)}
+            return {naive_signal(condition)}
         case Group() | Not() | Timed():
             return naive_signals(condition.operand)
         case And() | Or():

@@ -16,6 +16,7 @@ from smarttestudo.language.syntax import (
     Block,
     Check,
     Collection,
+    Compared,
     Condition,
     Group,
     KeepAtLeast,
@@ -50,7 +51,7 @@ def keep_at_least(name: str, floor_hz: float) -> KeepAtLeast:
     return KeepAtLeast(topic=topic(name), rate=rate(floor_hz), span=SPAN)
 
 
-def check(signal: Signal, operator: Operator, value: float) -> Check:
+def check(signal: Signal, operator: Operator, value: Compared) -> Check:
     return Check(
         topic=topic(signal.topic),
         property=signal.property,
@@ -91,9 +92,14 @@ rates = st.one_of(st.sampled_from([0.0, 1.0, 2.0, 3.0, 5.0]), st.sampled_from(Ra
 
 
 @cache
-def conditions(signals: Sequence[Signal], borders: Sequence[float]) -> st.SearchStrategy[Condition]:
-    """Conditions over ``signals`` with borders among a few numbers, nested at random."""
+def conditions(
+    signals: Sequence[Signal], borders: Sequence[float], words: Sequence[Compared] = ()
+) -> st.SearchStrategy[Condition]:
+    """Conditions over ``signals`` with borders among a few numbers, or with ``words``, nested at random."""
     checks = st.builds(check, st.sampled_from(signals), st.sampled_from(Operator), st.sampled_from(borders))
+    if words:
+        equality = st.sampled_from([Operator.EQUAL, Operator.NOT_EQUAL])
+        checks |= st.builds(check, st.sampled_from(signals), equality, st.sampled_from(words))
 
     def nested(inner: st.SearchStrategy[Condition]) -> st.SearchStrategy[Condition]:
         several = st.lists(inner, min_size=2, max_size=4).map(tuple)
@@ -121,10 +127,14 @@ priorities = st.sampled_from([None, -1, 0, 1])
 @cache
 @st.composite
 def rule_files(
-    draw: st.DrawFn, signals: Sequence[Signal], borders: Sequence[float], max_blocks: int = 8
+    draw: st.DrawFn,
+    signals: Sequence[Signal],
+    borders: Sequence[float],
+    max_blocks: int = 8,
+    words: Sequence[Compared] = (),
 ) -> list[RuleFile]:
     """One or two files of defaults, floors and blocks with Else and priorities."""
-    conditional = conditions(signals, borders)
+    conditional = conditions(signals, borders, words)
     statements: list[Statement] = [
         *draw(settings_of_topics(at_least=0)),
         *(keep_at_least(name, floor_hz) for name, floor_hz in draw(floors).items()),

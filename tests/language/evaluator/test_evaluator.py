@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from language.evaluator.naive_rules import NaiveRequest, naive_blocks, naive_request, naive_signals
+from language.evaluator.naive_rules import TYPES, NaiveRequest, naive_blocks, naive_request, naive_signals
 from language.evaluator.random_rules import block, check, keep_at_least, rule_file, rule_files, set_frequency
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Signal, SignalKind, Truth, Values
 from smarttestudo.language.evaluator import Evaluator
 from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.language.syntax import And, Operator, Or, RateWord, RuleFile
+from smarttestudo.language.syntax import And, Constant, Operator, Or, RateWord, RuleFile
 
 SIGNALS = (Signal("/p", "x"), Signal("/p", "y"), Signal("/q", "x"), Signal("/q", "z"))
 BORDERS = (-1.0, 0.0, 1.0, 2.0, 2.5)
@@ -72,6 +72,86 @@ def test_wishes_truths_and_values_agree_with_plain_recursion_after_every_change(
             truths[one.place] = truth
             reads = {str(signal): known.get(signal) for signal in naive_signals(one.condition)}
             assert evaluator.values_of(one.place) == reads
+
+
+WORDS = (
+    "dock",
+    "drive",
+    "",
+    True,
+    False,
+    *(Constant(type_name="", name=name) for name in ("ONE", "DOCK", "LOST")),
+)
+KINDS = (SignalKind.NUMBER, SignalKind.STATE, SignalKind.TEXT)
+MANY = (Signal("/p", "x"), Signal("/p", "xs[*]"), Signal("/q", "x"), Signal("/q", "xs[*]"))
+numbers_of = values.filter(lambda value: value is not None and not math.isnan(value))
+texts = st.sampled_from(["dock", "drive", "", "other", "another"])
+
+
+def given_values(signal: Signal) -> st.SearchStrategy[tuple[Signal, Values | None]]:
+    """Values of a signal, of its kind."""
+    of_kind = texts if signal.kind is SignalKind.TEXT else numbers_of
+    many = st.lists(of_kind, max_size=4, unique=True).map(tuple)
+    return st.tuples(st.just(signal), st.none() | (many if "[*]" in signal.property else of_kind))
+
+
+word_changes = st.lists(
+    st.lists(
+        st.one_of([given_values(signal._replace(kind=kind)) for signal in MANY for kind in KINDS]), max_size=6
+    ),
+    min_size=1,
+    max_size=12,
+)
+
+
+@settings(max_examples=200)
+@given(rule_files(MANY, BORDERS, words=WORDS), word_changes)
+def test_truths_of_texts_states_and_elements_agree_with_plain_recursion(
+    files: list[RuleFile], steps: list[list[tuple[Signal, Values | None]]]
+) -> None:
+    rules = compile_rules(files, lambda name: name, types=TYPES)
+    evaluator = Evaluator(rules)
+    known: dict[Signal, Values | None] = {}
+    for step in [[], *steps]:
+        for signal, value in step:
+            evaluator.set(signal, value)
+            known[signal] = value
+        evaluator.take_changed_topics()
+        for topic in rules.relayed:
+            assert request_of(evaluator, topic) == naive_request(files, topic, known)
+        for one in naive_blocks(files):
+            assert evaluator.truth(one.place) is TRUTHS[one.truth(known)]
+
+
+def modes(mode: Signal, size: int) -> Evaluator:
+    """As many modes, each with a rate of its own, and one rule about all that are not the first."""
+    each = [
+        block(
+            check(mode, Operator.EQUAL, f"mode {number}"),
+            [set_frequency("/scan", 1.0 + number % 7)],
+            label=f"mode {number}",
+        )
+        for number in range(size)
+    ]
+    other = block(check(mode, Operator.NOT_EQUAL, "mode 0"), [set_frequency("/imu", 3.0)], label="other")
+    return evaluator_of(rule_file([set_frequency("/scan", 0.5), *each, other]))
+
+
+@pytest.mark.parametrize("of_all", [False, True])
+def test_another_text_looks_at_as_much_among_10000_checks_as_among_10(*, of_all: bool) -> None:
+    def touched(size: int) -> int:
+        mode = Signal("/mode", "data[*]" if of_all else "data", SignalKind.TEXT)
+        evaluator = modes(mode, size)
+        evaluator.set(mode, ("mode 3",) if of_all else "mode 3")
+        evaluator.take_changed_topics()
+        before = evaluator.touched
+        evaluator.set(mode, ("mode 8", "mode", "modes") if of_all else "mode 8")
+        assert evaluator.decide("/scan").planned.rule == "mode 8"
+        evaluator.set(mode, ("something else",) if of_all else "something else")
+        assert evaluator.decide("/scan").planned.rule is None
+        return evaluator.touched - before
+
+    assert touched(10_000) <= touched(10) <= 10
 
 
 def zone(column: float, row: float) -> And:
