@@ -9,10 +9,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
-from language.evaluator.naive_rules import NaiveRequest, naive_blocks, naive_request, naive_signals
+from language.evaluator.naive_rules import (
+    NaiveRequest,
+    naive_blocks,
+    naive_request,
+    naive_shown,
+    naive_signals,
+)
 from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, SignalKind, Value, Values
 from smarttestudo.language.syntax import RuleFile
 
 SECOND = 1_000_000_000
@@ -24,7 +31,30 @@ class NaiveDecision:
     topic: str
     before: NaiveRequest | None
     after: NaiveRequest
-    values: dict[str, float | None]
+    values: dict[str, Value | None]
+
+
+ABSENT = "absent"
+"""Stands for an element that a message has not."""
+
+
+def naive_field(signal: Signal, message: Any) -> Values | str | None:
+    """What a message has of ``x``, of each of ``xs[*]``, or of the one called ``xs["b"]``."""
+
+    def of_kind(part: object) -> Value | None:
+        if signal.kind is SignalKind.TEXT:
+            return part if isinstance(part, str) else None
+        return None if isinstance(part, str) or math.isnan(part) else float(part)  # type: ignore[arg-type]
+
+    if "[" not in signal.property:
+        return of_kind(getattr(message, signal.property, math.nan))
+    elements = getattr(message, "xs", None)
+    if elements is None:
+        return None
+    if signal.property == "xs[*].x":
+        known = [part for part in (of_kind(element.x) for element in elements) if part is not None]
+        return tuple(known) if known or not elements else None
+    return next((of_kind(element.x) for element in elements if element.name == "b"), ABSENT)
 
 
 def _differs(before: NaiveRequest, after: NaiveRequest) -> bool:
@@ -77,35 +107,63 @@ class NaiveLoop:
         highest = max(request.height for request in counting)
         return next(request for request in reversed(counting) if request.height == highest)
 
-    def values(self, now: int) -> dict[Signal, float | None]:
+    def values(self, now: int) -> dict[Signal, Values | None]:
         signals = {s for block in naive_blocks(self.files) for s in naive_signals(block.condition)}
         return {signal: self.value(signal, now) for signal in signals}
 
-    def read(self, request: NaiveRequest, values: dict[Signal, float | None]) -> dict[str, float | None]:
+    def read(self, request: NaiveRequest, values: dict[Signal, Values | None]) -> dict[str, Value | None]:
         if request.place is None:
             return {}
         condition = naive_blocks(self.files)[request.place].condition
-        return {str(signal): values[signal] for signal in naive_signals(condition)}
+        return {
+            str(signal): naive_shown(condition, signal, values[signal])
+            for signal in sorted(naive_signals(condition))
+        }
 
-    def value(self, signal: Signal, now: int) -> float | None:
+    def value(self, signal: Signal, now: int) -> Values | None:
+        if signal.kind is SignalKind.UNRESOLVED:
+            return None
         arrivals = [
             (at, one) for at, one in self.events if isinstance(one, Arrival) and one.topic == signal.topic
         ]
         recent = [one for at, one in arrivals if now - 2 * SECOND < at <= now]
         match signal.property:
+            case "rate" | "bandwidth" | "age" if signal.kind is SignalKind.TEXT:
+                return None
             case "rate":
                 return len(recent) / 2
             case "bandwidth":
                 return sum(one.size_bytes for one in recent) / 1000 / 2
             case "age":
                 return (now - (arrivals[-1][0] if arrivals else 0)) / SECOND
-        if not arrivals or self.is_gone(signal.topic) or self.is_stale(signal.topic, arrivals, now):
+        if signal.property == 'xs["b"].x':
+            return self.element(signal, arrivals, now)
+        if not arrivals or self.is_gone(signal.topic) or self.is_stale(signal, arrivals, now):
             return None
         message = arrivals[-1][1].message
-        if message is None or isinstance(message, Undecodable):
+        return None if message is None or isinstance(message, Undecodable) else naive_field(signal, message)
+
+    def element(self, signal: Signal, arrivals: Sequence[tuple[int, Arrival]], now: int) -> Values | None:
+        """The value in the last message that has it, unless all is forgotten since, or it is stale."""
+        if self.is_gone(signal.topic):
             return None
-        value = getattr(message, signal.property, math.nan)
-        return None if math.isnan(value) else value
+        having = [
+            (at, one)
+            for at, one in arrivals
+            if one.message is not None
+            and not isinstance(one.message, Undecodable)
+            and naive_field(signal, one.message) != ABSENT
+        ]
+        known: Values | None = None
+        for _, one in self.events:
+            if isinstance(one, SourceChanged) and one.topic == signal.topic and not one.publishers:
+                known = None
+            if isinstance(one, Arrival) and one.topic == signal.topic:
+                if one.message is None or isinstance(one.message, Undecodable):
+                    known = None
+                elif (found := naive_field(signal, one.message)) != ABSENT:
+                    known = found
+        return None if not having or self.is_stale(signal, having, now) else known
 
     def is_gone(self, topic: str) -> bool:
         """No publisher, or none was heard since the last time there was none."""
@@ -122,10 +180,12 @@ class NaiveLoop:
                 return True
         return False
 
-    def is_stale(self, topic: str, arrivals: Sequence[tuple[int, Arrival]], now: int) -> bool:
-        age = now - arrivals[-1][0]
+    def is_stale(self, signal: Signal, arrivals: Sequence[tuple[int, Arrival]], now: int) -> bool:
+        age, topic = now - arrivals[-1][0], signal.topic
         if topic in self.stale_after_ns:
             return age > self.stale_after_ns[topic]
+        if signal.kind is not SignalKind.NUMBER:
+            return False
         changes = [one for _, one in self.events if isinstance(one, SourceChanged) and one.topic == topic]
         stamps = [at for at, _ in arrivals]
         intervals = [late - early for early, late in pairwise(stamps)][-20:]

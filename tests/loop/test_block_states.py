@@ -7,12 +7,23 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from language.evaluator.naive_rules import naive_truth
+from language.evaluator.naive_rules import naive_shown, naive_signal, naive_truth
 from language.evaluator.random_rules import rule_files
 from loop.loop_driver import SECOND, LoopDriver, rule_set_of
-from loop.test_step import BORDERS, SIGNALS, BothLoops, Moment, moments, profiles
+from loop.test_step import (
+    BORDERS,
+    SIGNALS,
+    WORD_SIGNALS,
+    WORDS,
+    BothLoops,
+    Moment,
+    messages,
+    moments,
+    profiles,
+    word_messages,
+)
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.signal import Signal, Truth
+from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import BlockStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.rule_set import compile_rules
@@ -44,13 +55,19 @@ def assert_states_are_naive(both: BothLoops, files: list[RuleFile], later_ns: in
     for one, block in zip(shown, written, strict=True):
         checks = list(checks_in(block.condition))
         assert [check.state for check in one.checks] == [TRUTHS[naive_truth(one, values)] for one in checks]
+        signals = [naive_signal(check) for check in checks]
         assert [check.value for check in one.checks] == [
-            values[Signal(check.topic.text, check.property)] for check in checks
+            naive_shown(check, signal, values[signal]) for check, signal in zip(checks, signals, strict=True)
         ]
 
 
 @settings(max_examples=50)
-@given(rule_files(SIGNALS, BORDERS, max_blocks=4), profiles, moments, st.integers(0, 3 * SECOND))
+@given(
+    rule_files((*SIGNALS, *WORD_SIGNALS), BORDERS, max_blocks=4, words=WORDS),
+    profiles,
+    moments(messages | word_messages),
+    st.integers(0, 3 * SECOND),
+)
 def test_states_and_values_agree_with_a_naive_reading_of_the_text_at_any_time(
     files: list[RuleFile], profile: Profile, scenario: list[Moment], later_ns: int
 ) -> None:

@@ -9,10 +9,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from language.evaluator.naive_rules import NaiveRequest
+from language.evaluator.naive_rules import TYPES, NaiveRequest
 from language.evaluator.random_rules import rule_files
 from loop.naive_loop import SECOND, NaiveDecision, NaiveLoop
 from smarttestudo.domain.decision import Decision, PlannedRate
@@ -21,7 +22,7 @@ from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.rule_set import compile_rules
-from smarttestudo.language.syntax import RuleFile
+from smarttestudo.language.syntax import Constant, RuleFile
 from smarttestudo.loop import Knowledge, step
 
 START = 1_795_230_365_474_043_001
@@ -29,23 +30,46 @@ SOURCES = ("/p", "/q")
 SIGNALS = tuple(Signal(topic, name) for topic in SOURCES for name in ("x", "y", "rate", "bandwidth", "age"))
 BORDERS = (-1.0, 0.0, 0.3, 0.5, 1.0, 1.5, 2.0, 2.7)
 
+WORDS = (
+    "dock",
+    "drive",
+    True,
+    False,
+    *(Constant(type_name="", name=name) for name in ("ONE", "DOCK", "LOST")),
+)
+WORD_SIGNALS = tuple(
+    Signal(topic, name) for topic in SOURCES for name in ("x", "xs[*].x", 'xs["b"].x', "rate", "age")
+)
+
 numbers = st.sampled_from([math.nan, -1.0, 0.0, 0.4, 1.0, 1.75, 3.0])
 messages = st.one_of(
     st.builds(SimpleNamespace, x=numbers, y=numbers),
     st.builds(SimpleNamespace, x=numbers),
     st.sampled_from([Undecodable(), None]),
 )
-observations = st.one_of(
-    st.builds(
-        Arrival, topic=st.sampled_from(SOURCES), size_bytes=st.sampled_from([600, 1000]), message=messages
-    ),
-    st.builds(
-        SourceChanged,
-        topic=st.sampled_from(SOURCES),
-        publishers=st.sampled_from([0, 1, 2]),
-        transient_local=st.booleans(),
-    ),
+words = st.one_of(numbers, st.sampled_from(["dock", "drive", "other", ""]), st.booleans())
+elements = st.builds(SimpleNamespace, name=st.sampled_from(["a", "b", "c"]), x=words)
+word_messages = st.one_of(
+    st.builds(SimpleNamespace, x=words, xs=st.lists(elements, max_size=3)),
+    st.builds(SimpleNamespace, x=words),
+    st.sampled_from([Undecodable(), None]),
 )
+
+
+def observations_of(messages: st.SearchStrategy[object]) -> st.SearchStrategy[Observation]:
+    return st.one_of(
+        st.builds(
+            Arrival, topic=st.sampled_from(SOURCES), size_bytes=st.sampled_from([600, 1000]), message=messages
+        ),
+        st.builds(
+            SourceChanged,
+            topic=st.sampled_from(SOURCES),
+            publishers=st.sampled_from([0, 1, 2]),
+            transient_local=st.booleans(),
+        ),
+    )
+
+
 gaps_ns = st.one_of(
     st.sampled_from(
         [0, 1, 40_000_000, 499_999_999, 500_000_000, 2 * SECOND, 2 * SECOND + 1, 11 * SECOND, -SECOND]
@@ -64,17 +88,15 @@ class Moment:
     probe: float
 
 
-moments = st.lists(
-    st.builds(
+def moments(messages: st.SearchStrategy[object]) -> st.SearchStrategy[list[Moment]]:
+    moment = st.builds(
         Moment,
         gap_ns=gaps_ns,
-        seen=st.lists(observations, max_size=3),
+        seen=st.lists(observations_of(messages), max_size=3),
         wakes=st.booleans(),
         probe=st.floats(0, 1),
-    ),
-    min_size=1,
-    max_size=14,
-)
+    )
+    return st.lists(moment, min_size=1, max_size=14)
 
 
 def naive(planned: PlannedRate, place: int | None) -> NaiveRequest:
@@ -91,7 +113,7 @@ class BothLoops:
     """The loop and the naive one, stepped side by side and compared after each step."""
 
     def __init__(self, files: list[RuleFile], profile: Profile) -> None:
-        rule_set = compile_rules(files, lambda name: name)
+        rule_set = compile_rules(files, lambda name: name, types=TYPES)
         self.knowledge = Knowledge(rule_set, profile, START)
         self.second = NaiveLoop(
             files=files,
@@ -129,7 +151,7 @@ class BothLoops:
             topic=decision.topic,
             before=before,
             after=naive(decision.planned, places[decision.topic]),
-            values={name: value for name, value in decision.values.items() if not isinstance(value, str)},
+            values=dict(decision.values),
         )
 
     def wait(self, gap_ns: int, probe: float) -> int:
@@ -160,10 +182,23 @@ profiles = st.builds(
 
 
 @settings(max_examples=200)
-@given(rule_files(SIGNALS, BORDERS, max_blocks=5), profiles, moments)
+@given(rule_files(SIGNALS, BORDERS, max_blocks=5), profiles, moments(messages))
 def test_plans_and_decisions_agree_with_a_naive_loop(
     files: list[RuleFile], profile: Profile, scenario: list[Moment]
 ) -> None:
+    step_both(files, profile, scenario)
+
+
+@pytest.mark.full
+@settings(max_examples=2000)
+@given(rule_files(WORD_SIGNALS, BORDERS, max_blocks=5, words=WORDS), profiles, moments(word_messages))
+def test_plans_of_texts_states_and_elements_agree_with_a_naive_loop(
+    files: list[RuleFile], profile: Profile, scenario: list[Moment]
+) -> None:
+    step_both(files, profile, scenario)
+
+
+def step_both(files: list[RuleFile], profile: Profile, scenario: list[Moment]) -> None:
     both = BothLoops(files, profile)
     both.step([], 0)
     for moment in scenario:

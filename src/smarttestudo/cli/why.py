@@ -26,13 +26,14 @@ from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import DiagnosticLevel
-from smarttestudo.domain.signal import Signal, Value
+from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import NS_PER_S, counted, ns_from_s, utc_time
 from smarttestudo.language.evaluator import ExplainedValue, RateBorder
 from smarttestudo.language.formatter import value_text
-from smarttestudo.language.normal_form import HELD, Resolve, is_derived, region_text
+from smarttestudo.language.normal_form import ANY_ELEMENT, HELD, Resolve, is_derived, region_text
 from smarttestudo.language.parser import parse
+from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet, compile_rules
 from smarttestudo.loop.block_states import values_in
 from smarttestudo.loop.decision_log import read_decisions
@@ -328,11 +329,11 @@ def _table(rows: Sequence[_Row], now: str) -> Table[_Row]:
     return Table(
         columns=(
             Column("Value", "", lambda row: _name(row[0].signal), is_text=True),
-            Column(now, "", lambda row: _value(row[0].value), is_text=True),
+            Column(now, "", lambda row: _value(row[0]), is_text=True),
             Column(
                 "Border",
                 "",
-                lambda row: MISSING if row[1] is None else region_text(row[1].where),
+                lambda row: MISSING if row[1] is None else _where(row[0].signal, row[1]),
                 is_text=True,
             ),
             Column("Beyond it", "", beyond, is_text=True),
@@ -342,11 +343,26 @@ def _table(rows: Sequence[_Row], now: str) -> Table[_Row]:
 
 
 def _name(signal: Signal) -> str:
+    if _is_any(signal):
+        return signal.topic
     return f"seconds of {signal.topic}" if _is_held(signal) else str(signal)
 
 
-def _value(value: Value | None) -> str:
-    return value_text(value) if isinstance(value, str) else _number(value)
+def _is_any(signal: Signal) -> bool:
+    return signal.property == ANY_ELEMENT and is_derived(signal)
+
+
+def _value(one: ExplainedValue) -> str:
+    if one.value is not None and _is_any(one.signal):
+        return value_text(one.value == 1)
+    return value_text(one.value) if isinstance(one.value, str) else _number(one.value)
+
+
+def _where(signal: Signal, border: RateBorder) -> str:
+    """Where a value lies beyond a border; whether any element does something is true or false."""
+    if _is_any(signal) and isinstance(border.where, Region):
+        return value_text(border.where.contains(1.0))
+    return region_text(border.where)
 
 
 def _number(value: float | None) -> str:
@@ -366,7 +382,7 @@ def _json(reason: RateReason) -> dict[str, object]:
 def _value_json(one: ExplainedValue, reason: RateReason) -> dict[str, object]:
     borders = [
         {
-            "where": region_text(border.where),
+            "where": _where(one.signal, border),
             **(
                 {"holds": not border.request.rate.is_off} if reason.asked is None else to_json(border.request)
             ),

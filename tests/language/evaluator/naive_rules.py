@@ -8,6 +8,7 @@ import math
 import operator
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from smarttestudo.domain.signal import Signal, SignalKind, Value
 from smarttestudo.domain.signal import Values as SignalValues
@@ -87,7 +88,8 @@ def naive_compared(one: Check) -> Compared | None:
 
 def naive_holds(one: Check, value: Value) -> bool:
     """Whether a comparison holds for a value of its sort."""
-    return bool(COMPARISONS[one.operator](value, naive_compared(one)))
+    compared: Any = naive_compared(one)
+    return bool(COMPARISONS[one.operator](value, compared))
 
 
 def naive_signal(one: Check) -> Signal:

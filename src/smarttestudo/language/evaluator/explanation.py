@@ -13,7 +13,8 @@ from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal, SignalKind, Value
 from smarttestudo.language.evaluator.evaluator import Evaluator
-from smarttestudo.language.normal_form import HELD, LAST_SEEN, is_derived
+from smarttestudo.language.normal_form import HELD, LAST_SEEN, AnyElement, is_derived, reads
+from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.region import Bound, Region
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.language.text_region import SetOfValues, TextRegion
@@ -61,7 +62,7 @@ def explain(rule_set: RuleSet, topic: str, values: SignalValues) -> RateExplanat
     """Explain the request for ``topic``, which the rules relay, with the signals of the deciding block first.
 
     ``values`` has what is derived, too: by the names of ``HeldTime`` for how long a condition has held, by
-    those of ``LastSeen`` 1 or 0.
+    those of ``LastSeen`` and ``AnyElement`` 1 or 0.
     """
     states = _rules_of(rule_set.over_states(), topic)
     question = _Question(states, topic, values)
@@ -87,13 +88,24 @@ def explain_block(
             alone = replace(block, rates={topic: Rate.full()}, bounds={}, priority=0)
             only = RuleSet(defaults={topic: Rate.off()}, default_lines={}, floors_hz={}, blocks=(alone,))
             # It held, for as long as it asks for.
-            return explain(only, topic, {**values, **_held_long(only)}).values
+            return explain(only, topic, {**values, **_held_long(only), **_of_any(only, values)}).values
     return ()
 
 
 def _held_long(rule_set: RuleSet) -> dict[Signal, float]:
     derived = (Signal(*signal) for signal in rule_set.over_states().signals if is_derived(signal))
     return {signal: math.inf for signal in derived if _is(signal, HELD)}
+
+
+def _of_any(rule_set: RuleSet, values: SignalValues) -> dict[Signal, float]:
+    """Whether any element was in a region, by the one whose value is known."""
+    found: dict[Signal, float] = {}
+    for within in (within for block in rule_set.blocks for within in reads(block.form)):
+        value = values.get(within.signal)
+        if ANY in within.signal.property and value is not None:
+            derived = AnyElement(within.signal, within.region)
+            found[Signal(*derived)] = float(within.region.contains(value))  # type: ignore[arg-type]  # of one sort
+    return found
 
 
 def _is(signal: Signal, derived: str) -> bool:
