@@ -108,7 +108,7 @@ def test_of_several_values_at_one_stamp_the_last_crosses() -> None:
 
 
 def test_an_unknown_value_crosses_nothing() -> None:
-    assert changes(ABOVE_ZERO.region, series([0, 1, 2, 3], [math.nan, 1, math.nan, 2])) == [(1, True)]
+    assert changes(ABOVE_ZERO.field_region, series([0, 1, 2, 3], [math.nan, 1, math.nan, 2])) == [(1, True)]
 
 
 @given(sent_and_received())
@@ -116,7 +116,7 @@ def test_a_crossing_is_seen_if_a_message_comes_that_changes_the_operators_mind(
     both: tuple[Series, Series],
 ) -> None:
     sent, received = both
-    states = dict(changes(ABOVE_ZERO.region, sent))
+    states = dict(changes(ABOVE_ZERO.field_region, sent))
     times = list(states)
     shown = {stamp: value > 0 for stamp, value in zip(received.stamps_ns, received.values, strict=True)}
     late = []

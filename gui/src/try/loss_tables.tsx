@@ -76,7 +76,7 @@ function CrossingTable({ crossings }: { crossings: TryCrossing[] }) {
   return (
     <DataTable
       caption="Thresholds of your checks that were crossed"
-      heads={["Check", "Crossed", "Seen in time", "Seen late", "Missed", "Latest (s)"]}
+      heads={["Check", "Crossed", "Seen in time", "Seen late", "Missed", "Latest (s)", "Wrong (s)"]}
       rows={crossings.map((each) => [
         each.check,
         String(each.crossings),
@@ -84,6 +84,7 @@ function CrossingTable({ crossings }: { crossings: TryCrossing[] }) {
         String(each.received.late),
         String(each.received.missed),
         shown(each.received.late_max_s),
+        shown(each.received.wrong_s),
       ])}
     />
   );

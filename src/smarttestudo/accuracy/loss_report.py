@@ -100,7 +100,8 @@ class TopicLoss:
 class Sightings:
     """How an operator who holds the last value saw the crossings of a threshold.
 
-    ``late_mean_s`` and ``late_max_s`` are over those that were late; ``None`` without one.
+    ``late_mean_s`` and ``late_max_s`` are over those that were late; ``None`` without one. Of a check of a
+    text or a state, ``wrong_s`` is for how long the operator believed something else, or knew nothing yet.
     """
 
     in_time: int
@@ -108,6 +109,7 @@ class Sightings:
     missed: int
     late_mean_s: float | None
     late_max_s: float | None
+    wrong_s: Annotated[float | None, JsonEntry(omits_default=True)] = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import zip_longest
 
 from smarttestudo.accuracy.loss_report import (
@@ -21,12 +21,15 @@ from smarttestudo.accuracy.loss_report import (
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
-from smarttestudo.domain.signal import ArrivalProperty, Signal
+from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.language.formatter import value_text
 from smarttestudo.language.normal_form import reads
 from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.region import Region
-from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.language.rule_set import RuleSet, WrittenCheck
+from smarttestudo.language.syntax import Operator
+from smarttestudo.language.text_region import SetOfValues
 
 _PERCENTILE = 0.95
 
@@ -103,7 +106,7 @@ def field_losses(shared: SharedTopic) -> Iterator[FieldLoss]:
     for field in shared.sent.fields:
         sent, received, fixed = shared.series(field)
         value_range = sent.value_range
-        if value_range or field.is_asked:
+        if field.word is None and (value_range or field.is_asked):
             yield FieldLoss(
                 topic=shared.topic,
                 field=field.name,
@@ -120,7 +123,7 @@ def crossing_losses(shared: SharedTopic, thresholds: Sequence[Threshold]) -> Ite
     """How the thresholds that are fields of this topic were seen."""
     fields = {field.name: field for field in shared.sent.fields}
     for threshold in thresholds:
-        field = fields.get(threshold.signal.property)
+        field = fields.get(threshold.field.name)
         if threshold.signal.topic == shared.topic and field is not None:
             yield crossing_loss(threshold, *shared.series(field), shared.end_ns)
 
@@ -157,42 +160,91 @@ class Threshold:
     """A check of a field: it holds in ``region``."""
 
     signal: Signal
-    region: Region
+    region: SetOfValues
 
     def __str__(self) -> str:
         """``/odom pose_y > 5.4``."""
+        return f"{self.signal} {self._comparison}"
+
+    @property
+    def _comparison(self) -> str:
         comparison = self.region.comparison
         if comparison is None:
             raise ValueError(f"no comparison holds in {self.region}")
         operator, value = comparison
-        return f"{self.signal} {operator.value} {value:g}"
+        return f"{operator.value} {value_text(value) if isinstance(value, str) else f'{value:g}'}"
+
+    @property
+    def is_word(self) -> bool:
+        """Whether it compares with a text or a state, which is right or wrong and not far off."""
+        return self.signal.kind is not SignalKind.NUMBER
+
+    @property
+    def field(self) -> Field:
+        """The field to look at: the number, or whether the check holds where there is none."""
+        name = self.signal.property
+        if not self.is_word and ANY not in name:
+            return Field(name=name)
+        check = WrittenCheck(line=0, column=0, signal=self.signal, region=self.region)
+        return Field(name=f"{name} {self._comparison}", word=check)
+
+    @property
+    def field_region(self) -> Region:
+        """Where the values of ``field`` lie while it holds."""
+        if self.field.word is None and isinstance(self.region, Region):
+            return self.region
+        return Region.where(Operator.GREATER_EQUAL, 1.0)
 
 
 def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
     """The checks of ``rule_set`` that read a field, sorted; a check and its negation are one threshold."""
-    found: dict[tuple[Signal, frozenset[Region]], Threshold] = {}
+    found: dict[tuple[Signal, frozenset[SetOfValues]], Threshold] = {}
     for block in rule_set.blocks:
         for within in reads(block.form):
-            region = within.region
-            if not isinstance(region, Region) or ANY in within.signal.property:
+            signal, region = within.signal, within.region
+            if signal.kind is SignalKind.UNRESOLVED or ArrivalProperty.named(signal.property) is not None:
                 continue
-            if region.comparison is not None and ArrivalProperty.named(within.signal.property) is None:
+            if region.comparison is not None:
                 sides = frozenset({region, region.complement()})
-                found.setdefault((within.signal, sides), Threshold(signal=within.signal, region=region))
-    return tuple(sorted(found.values(), key=lambda one: (one.signal, one.region.cuts)))
+                found.setdefault((signal, sides), Threshold(signal=signal, region=region))
+    return tuple(sorted(found.values(), key=lambda one: (one.signal, *_order_of(one.region))))
+
+
+def _order_of(region: SetOfValues) -> tuple[object, object]:
+    return (region.cuts, "") if isinstance(region, Region) else ((), str(region.comparison))
 
 
 def crossing_loss(
     threshold: Threshold, sent: Series, received: Series, fixed: Series, end_ns: int
 ) -> CrossingLoss:
     """How the crossings of ``sent`` until ``end_ns`` were seen in the other two."""
-    crossings = _crossings(threshold.region, sent, end_ns)
+    region = threshold.field_region
+    crossings, sent_changes = _crossings(region, sent, end_ns), changes(region, sent)
+
+    def seen_in(series: Series) -> Sightings:
+        seen = changes(region, series)
+        sightings = _sightings(crossings, seen, end_ns)
+        return (
+            replace(sightings, wrong_s=_wrong_s(sent_changes, seen, end_ns))
+            if threshold.is_word
+            else sightings
+        )
+
     return CrossingLoss(
-        check=str(threshold),
-        crossings=len(crossings),
-        received=_sightings(crossings, changes(threshold.region, received), end_ns),
-        fixed=_sightings(crossings, changes(threshold.region, fixed), end_ns),
+        check=str(threshold), crossings=len(crossings), received=seen_in(received), fixed=seen_in(fixed)
     )
+
+
+def _wrong_s(sent: Sequence[Change], seen: Sequence[Change], end_ns: int) -> float:
+    """For how long the operator believed something else than what was so, or knew nothing of it."""
+    both = [(at_ns, is_seen, holds) for is_seen, side in enumerate((sent, seen)) for at_ns, holds in side]
+    now: list[bool | None] = [None, None]
+    wrong_ns, before_ns = 0, end_ns
+    for at_ns, is_seen, holds in sorted(one for one in both if one[0] <= end_ns):
+        wrong_ns += max(at_ns - before_ns, 0)
+        now[is_seen] = holds
+        before_ns = end_ns if now[0] is None or now[0] == now[1] else at_ns
+    return (wrong_ns + end_ns - before_ns) / NS_PER_S
 
 
 def changes(region: Region, series: Series) -> list[Change]:

@@ -215,7 +215,7 @@ class LossMeasurement:
         if topic not in self._asked:
             return TopicReading()
         asked = tuple(self._question.fields.get(topic, ()))
-        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        needed = tuple(one.field for one in self._thresholds if one.signal.topic == topic)
         return TopicReading(
             choose_fields=partial(fields_of, asked=asked, needed=needed),
             undecoded_types=frozenset() if asked or needed else BULK_TYPES,

@@ -22,10 +22,12 @@ from smarttestudo.language.properties import (
     gauges_for,
     needs_decoded,
     properties_of,
+    signal_reader,
     value_reader,
     wraps,
 )
 from smarttestudo.language.properties.field_path import MOST, PropertySpec
+from smarttestudo.language.rule_set import WrittenCheck
 from smarttestudo.pacing.cdr import STREAM_TYPES
 from smarttestudo.pacing.reckoning.gauges import Gauge, Reading
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
@@ -234,28 +236,49 @@ _TIME = frozenset({"sec", "nanosec"})
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Field:
-    """A property or field path; ``unit`` is empty where unknown, ``wraps`` true of degrees that go round."""
+    """A property or field path; ``unit`` is empty where unknown, ``wraps`` true of degrees that go round.
+
+    With a ``word`` its values are 1 where the check of that name holds, else 0.
+    """
 
     name: str
     unit: str = ""
     wraps: bool = False
     is_asked: bool = False
+    word: WrittenCheck | None = None
+
+    def reader(self, type_name: str, level_unit: LevelUnit | None) -> Reader:
+        """Read it of messages of ``type_name``."""
+        word = self.word
+        if word is None:
+            return value_reader(type_name, self.name, level_unit)
+        read = signal_reader(type_name, word.signal, level_unit)
+
+        def holds(message: object) -> float:
+            values = read(message)
+            if values is None or values != values:  # noqa: PLR0124 - NaN differs from itself
+                return math.nan
+            return float(word.holds_for(values))
+
+        return holds
 
 
 def fields_of(
-    type_name: str, message: object, *, asked: Sequence[str] = (), needed: Sequence[str] = ()
+    type_name: str, message: object, *, asked: Sequence[str] = (), needed: Sequence[Field] = ()
 ) -> tuple[Field, ...]:
     """The fields to look at of a topic of ``type_name``, of which ``message`` is one.
 
     Of a type with named properties those, else the first ``MOST_FIELDS`` scalar numbers; then what is
     ``asked`` for or ``needed`` beside them.
     """
+    words = tuple(field for field in needed if field.word is not None)
     specs = properties_of(type_name)
     names = [*specs] if specs else [*scalar_paths(message)][:MOST_FIELDS]
     if type_name in BULK_TYPES:
         names = []
-    chosen = dict.fromkeys([*names, *asked, *needed])
-    return tuple(_field(name, specs.get(name), is_asked=name in asked) for name in chosen)
+    numbers = (field.name for field in needed if field.word is None)
+    chosen = dict.fromkeys([*names, *asked, *numbers])
+    return *(_field(name, specs.get(name), is_asked=name in asked) for name in chosen), *words
 
 
 def scalar_paths(message: object, *, deepest: int = _DEEPEST) -> Iterator[str]:
@@ -340,7 +363,7 @@ class TopicSamples:
         known = {field.name for field in self.fields}
         new = [field for field in fields if field.name not in known]
         self.fields += tuple(new)
-        self._readers += [value_reader(type_name, field.name, level_unit) for field in new]
+        self._readers += [field.reader(type_name, level_unit) for field in new]
         self.columns += [self._unknown() for _ in new]
 
     def add(self, stamp_ns: int, size_bytes: int, frames: tuple[str, ...] = ()) -> None:

@@ -31,6 +31,9 @@ _ERROR_NOTE = (
     "that never changed are left out."
 )
 _AGE_NOTE = "Age: time since the newest message received. Hz: messages over the recording's duration."
+_WRONG_NOTE = (
+    "Wrong is for how long the operator believed something else of a text or a state, or knew nothing yet."
+)
 _CROSSING_NOTE = (
     "In time: before A's next message. Missed: the value was back before a message came, or the way back "
     "from such a crossing. Late: mean and longest delay of those that were late."
@@ -233,7 +236,12 @@ def crossing_table(report: LossReport) -> Table[CrossingLoss]:
     """How the thresholds of checks were seen, B's beside fixed rates."""
     crossed = [loss for loss in report.crossings if loss.crossings]
     never = len(report.crossings) - len(crossed)
+    wrong: tuple[Column[CrossingLoss], ...] = (
+        Column("Wrong", "s", lambda loss: loss.received.wrong_s, decimals(3), heads_group=True),
+        Column("Wrong", "fixed, s", lambda loss: loss.fixed.wrong_s, decimals(3)),
+    )
     note = (f"{never} of {len(report.crossings)} checks were never crossed.",) if never else ()
+    has_words = any(loss.received.wrong_s is not None for loss in crossed)
     return Table(
         title="Threshold crossings",
         columns=(
@@ -248,9 +256,10 @@ def crossing_table(report: LossReport) -> Table[CrossingLoss]:
             Column("Missed", "fixed", lambda loss: loss.fixed.missed, WHOLE),
             Column("Late", "fixed", lambda loss: loss.fixed.late, WHOLE),
             Column("max", "s", lambda loss: loss.fixed.late_max_s, decimals(3)),
+            *(wrong if has_words else ()),
         ),
         rows=crossed,
-        footnotes=(_CROSSING_NOTE, *note),
+        footnotes=(_CROSSING_NOTE, *((_WRONG_NOTE,) if has_words else ()), *note),
     )
 
 

@@ -152,7 +152,7 @@ class LossWatch:
                 )
 
     def _reading(self, topic: str, profile: Profile) -> TopicReading:
-        needed = tuple(one.signal.property for one in self._thresholds if one.signal.topic == topic)
+        needed = tuple(one.field for one in self._thresholds if one.signal.topic == topic)
         return TopicReading(
             choose_fields=partial(_choose_fields, needed=needed),
             undecoded_types=frozenset() if needed else BULK_TYPES,
@@ -179,7 +179,7 @@ class LossWatch:
             yield f"the loss is that of the first {grouped(until_s)} s, in which {came}"
 
 
-def _choose_fields(type_name: str, message: object, *, needed: Sequence[str]) -> Sequence[Field]:
+def _choose_fields(type_name: str, message: object, *, needed: Sequence[Field]) -> Sequence[Field]:
     return fields_of(type_name, message, needed=needed)
 
 
