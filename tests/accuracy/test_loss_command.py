@@ -105,6 +105,35 @@ def test_the_loss_of_a_recorded_sine_is_its_closed_form(desk: Desk, tmp_path: Pa
     assert loss["range"] == pytest.approx(2, rel=1e-3)
 
 
+def of_modes(modes: dict[float, str], topic: str) -> BagContent:
+    kind = "std_msgs/msg/String"
+    messages = [
+        BagMessage(topic, START_NS + round(at_s * S), cdr(kind, message_of(kind, data=mode)))
+        for at_s, mode in modes.items()
+    ]
+    return BagContent((BagTopic(topic, kind),), tuple(messages))
+
+
+def test_a_text_is_wrong_for_as_long_as_the_operator_believed_another(desk: Desk, tmp_path: Path) -> None:
+    modes = {0.0: "idle", 10.0: "docking", 10.4: "idle", 20.0: "docking", 30.0: "x" * 2_000_000}
+    seen = {1.0: "idle", 12.0: "idle", 23.0: "docking", 29.0: "docking"}
+    write_bag(tmp_path / "modes", of_modes(modes, "/mode"))
+    write_bag(tmp_path / "seen modes", of_modes(seen, "/testudo/mode"))
+    (tmp_path / "modes.adirf").write_text(
+        'begin If (CheckValue /mode data = "docking") Then SetFrequency /mode 2 end'
+    )
+    ran = desk.loss("modes", "seen modes", "--rules", "modes.adirf", "--json")
+    (crossing,) = ran.json["crossings"]
+    assert (crossing["check"], crossing["crossings"]) == ('/mode data = "docking"', 4)
+    # Unknown for 1 s, wrong for 0.4 s, and from 20 to 23 s; at 30 s, the end, it becomes so again.
+    assert crossing["received"]["wrong_s"] == pytest.approx(4.4)
+    assert crossing["received"]["missed"] == 3
+    assert ran.json["fields"] == []
+    ran = desk.loss("modes", "seen modes", "--rules", "modes.adirf")
+    assert "Wrong is for how long" in ran.out
+    assert max(map(len, ran.out.splitlines())) <= 120
+
+
 @pytest.mark.parametrize(("fixed_bytes", "is_said"), [(100, False), (125, False), (170, True)])
 def test_fixed_rates_that_took_more_than_what_was_received_are_said(
     desk: Desk, fixed_bytes: int, is_said: bool
