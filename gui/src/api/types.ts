@@ -1590,7 +1590,8 @@ export type Severity = "error" | "warning" | "info";
 /**
  * How an operator who holds the last value saw the crossings of a threshold.
  *
- * `late_mean_s` and `late_max_s` are over those that were late; `None` without one.
+ * `late_mean_s` and `late_max_s` are over those that were late; `None` without one. Of a check of a
+ * text or a state, `wrong_s` is for how long the operator believed something else, or knew nothing yet.
  */
 export interface Sightings {
   in_time: number;
@@ -1598,6 +1599,7 @@ export interface Sightings {
   missed: number;
   late_mean_s: number | null;
   late_max_s: number | null;
+  wrong_s?: number;
 }
 
 /** Why nothing is received of a relayed topic. The first that holds counts. */
