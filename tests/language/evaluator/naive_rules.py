@@ -12,7 +12,8 @@ from typing import Any
 
 from smarttestudo.domain.signal import Signal, SignalKind, Value
 from smarttestudo.domain.signal import Values as SignalValues
-from smarttestudo.language.known_types import KnownTypes, TypeDefinition
+from smarttestudo.domain.type_definition import TypeDefinition
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.syntax import (
     And,
     Block,
