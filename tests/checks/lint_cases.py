@@ -4,14 +4,14 @@
 
 A file of ``cases``, one a theme, is ADIRF with headings in its comments. ``// # code`` begins the cases
 of a lint rule, ``// ## bad`` and ``// ## good`` an example; the comments below that are its ``profile`` in
-TOML, its ``recording`` (a topic and its type) and each ``finding`` (line, column and message) that it gives,
-one a line.
+TOML, its ``recording`` (a topic and its type), the ``texts`` that a property has there, and each ``finding``
+(line, column and message) that it gives, one a line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 FOLDER = Path(__file__).parent / "cases"
@@ -28,6 +28,7 @@ class Example:
     rules: str
     profile: str = ""
     bag_topics: Mapping[str, str] | None = None
+    texts: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     findings: tuple[str, ...] = ()
 
 
@@ -60,7 +61,7 @@ def _lint_cases(code: str, lines: Sequence[str]) -> LintCases:
 
 
 def _example(lines: Sequence[str]) -> Example:
-    notes: dict[str, list[str]] = {"profile": [], "recording": [], "finding": []}
+    notes: dict[str, list[str]] = {"profile": [], "recording": [], "texts": [], "finding": []}
     rules = list(lines)
     while rules and rules[0].startswith(_NOTE):
         kind, _, text = rules.pop(0).removeprefix(_NOTE).strip().partition(" ")
@@ -71,8 +72,14 @@ def _example(lines: Sequence[str]) -> Example:
         rules="\n".join(rules).rstrip("\n") + "\n",
         profile="\n".join(notes["profile"]),
         bag_topics=dict(line.split(" ") for line in notes["recording"]) or None,
+        texts={signal: tuple(words.split(", ")) for signal, words in map(_split, notes["texts"])},
         findings=tuple(notes["finding"]),
     )
+
+
+def _split(note: str) -> tuple[str, str]:
+    signal, _, words = note.partition(": ")
+    return signal, words
 
 
 def _parts(lines: Sequence[str], heading: str) -> Iterator[tuple[str, Sequence[str]]]:

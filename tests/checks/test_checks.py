@@ -14,13 +14,17 @@ import pytest
 
 from checks.lint_cases import FOLDER, Example, LintCases, read_cases
 from checks.rule_findings import ONE_BLOCK, applied, codes_of, covered, findings_of
+from smarttestudo.bags.type_definitions import recorded_types
 from smarttestudo.checks import LINT_RULES, CheckContext
+from smarttestudo.checks.context import ObservedValues
 from smarttestudo.checks.lint_rule import Found, LintRule, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.profile import Profile, TopicProfile
+from smarttestudo.domain.signal import Signal, SignalKind
 from smarttestudo.language.formatter import format_rules
 from smarttestudo.rules.profile_file import parse_profile
+from smarttestudo.rules.rule_sets import known_types
 
 THEMES = sorted(path.stem for path in FOLDER.glob("*.adirf"))
 CASES = {case.code: case for theme in THEMES for case in read_cases(theme)}
@@ -30,7 +34,18 @@ BY_CODE = pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 
 def of_example(example: Example) -> list[Finding]:
     profile = parse_profile(example.profile, Path("profile.toml")) if example.profile else None
-    return findings_of(example.rules, context=CheckContext(profile=profile, bag_topics=example.bag_topics))
+    found = replace(recorded_types(), topics=example.bag_topics) if example.bag_topics else None
+    observed = {
+        Signal.named(name)._replace(kind=SignalKind.TEXT): ObservedValues(texts=texts)
+        for name, texts in example.texts.items()
+    }
+    context = CheckContext(
+        profile=profile,
+        bag_topics=example.bag_topics,
+        types=known_types(found, profile),
+        observed=observed,
+    )
+    return findings_of(example.rules, context=context)
 
 
 @pytest.mark.parametrize("theme", THEMES)

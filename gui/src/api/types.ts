@@ -86,7 +86,7 @@ export interface BlockStatus {
   line: number;
   column: number;
   state: Truth;
-  checks: [line: number, column: number, state: Truth, value: number | null][];
+  checks: [line: number, column: number, state: Truth, value: number | string | null][];
   held_s?: number;
   times?: [line: number, column: number, state: Truth, held_s: number | null][];
 }
@@ -145,7 +145,7 @@ export interface CheckCondition {
   topic: string;
   property: string;
   op: Operator;
-  value: number;
+  value: Value;
   until?: UntilValue | null;
   offset?: number;
   end_offset?: number;
@@ -199,12 +199,20 @@ export interface CommandTopic {
   age_ms: number | null;
 }
 
+export type Compared = number | boolean | string | Constant;
+
 export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
 
 /** The pushed rules hold for good. */
 export interface ConfirmAnswer {
   state: "confirmed";
   hash: string;
+}
+
+/** A constant of a message type: `NAME`, or `TYPE.NAME` with the type's name as written. */
+export interface Constant {
+  type_name: string;
+  name: string;
 }
 
 /** A file to be copied; `new_name` must not exist yet. */
@@ -449,7 +457,7 @@ export interface FullRate {
 /** A moment after the first at which the rule began to hold, and what its condition read. */
 export interface FurtherMoment {
   triggered_ns: number;
-  values: Record<string, number | null>;
+  values: Record<string, number | string | null>;
   time: string;
 }
 
@@ -579,7 +587,7 @@ export interface IncidentRecord {
   triggered_ns: number;
   from_ns: number;
   to_ns: number;
-  values: Record<string, number | null>;
+  values: Record<string, number | string | null>;
   rules_sha256: string;
   topics: Record<string, IncidentTopic>;
   latched: LatchedSample[];
@@ -1304,7 +1312,7 @@ export interface RobotCheck {
   topic: string;
   property: string;
   op: Operator;
-  limit: number;
+  limit: Compared;
 }
 
 /**
@@ -1624,7 +1632,7 @@ export interface SituationLoad {
   kind: SituationKind;
   title: string;
   rules: string[];
-  state: Record<string, number>;
+  state: Record<string, Value>;
   loads: TopicLoad[];
   kb_per_s: number;
   feasible: boolean;
@@ -1934,8 +1942,10 @@ export interface TryTopicLoss {
 /** `Until op value` behind a check: what ends it. */
 export interface UntilValue {
   op: Operator;
-  value: number;
+  value: Value;
 }
+
+export type Value = number | string;
 
 /** One version of the rule file `name`. */
 export interface VersionRequest {

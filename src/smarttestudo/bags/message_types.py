@@ -18,8 +18,9 @@ from smarttestudo.domain.recording import Channel, RecordingReader, first_of_top
 from smarttestudo.domain.signal import Signal
 from smarttestudo.domain.units import counted
 from smarttestudo.language.parser.cursor import closest
-from smarttestudo.language.properties import ARRIVAL_PROPERTIES, Reader, properties_of, value_reader
+from smarttestudo.language.properties import ARRIVAL_PROPERTIES, properties_of
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX, is_field_path, part_reader
+from smarttestudo.language.properties.signal_readers import SignalReader, signal_reader
 
 if TYPE_CHECKING:
     from smarttestudo.bags.definitions import TypeLibrary
@@ -55,11 +56,15 @@ class MessageTypes:
         return TypeLibrary()
 
 
+_MOST_TEXTS = 50
+
+
 class _Observed:
     """Values of one signal so far, and the last message without one."""
 
-    def __init__(self, read: Reader) -> None:
+    def __init__(self, read: SignalReader) -> None:
         self.read = read
+        self.texts: dict[str, None] = {}
         self.messages = self.undecodable = 0
         self.greatest = -math.inf
         self.without: object | None = None
@@ -69,11 +74,15 @@ class _Observed:
         if message is None:
             self.undecodable += 1
             return
-        value = self.read(message)
-        if math.isnan(value):
-            self.without = message
-        else:
-            self.greatest = max(self.greatest, value)
+        values = self.read(message)
+        for value in values if isinstance(values, tuple) else (values,):
+            if isinstance(value, str):
+                if len(self.texts) < _MOST_TEXTS:
+                    self.texts[value] = None
+            elif value is None or math.isnan(value):
+                self.without = message
+            else:
+                self.greatest = max(self.greatest, value)
 
 
 def observed_values(
@@ -85,7 +94,7 @@ def observed_values(
     for signal in signals:
         if signal.topic in channels and signal.property not in ARRIVAL_PROPERTIES:
             unit = profile.topic(signal.topic).level_unit if profile else None
-            read = value_reader(channels[signal.topic].type_name, signal.property, unit)
+            read = signal_reader(channels[signal.topic].type_name, signal, unit)
             found.setdefault(signal.topic, {})[signal] = _Observed(read)
     for channel, _, payload in recording.messages(found) if found else ():
         if channels[channel.topic].type_name != channel.type_name:
@@ -106,6 +115,8 @@ def observed_values(
 
 
 def _observed_values(signal: Signal, observed: _Observed, type_name: str, reason: str) -> ObservedValues:
+    if observed.texts:
+        return ObservedValues(texts=tuple(observed.texts))
     if observed.greatest > -math.inf:
         return ObservedValues(greatest=observed.greatest)
     if not observed.messages:

@@ -6,14 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.checks import blocks, bounds, conditions, rates, topics
+from smarttestudo.checks import blocks, bounds, conditions, rates, topics, words
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.lint_rule import LintRule
 from smarttestudo.checks.rule_model import read_rule_model
 from smarttestudo.domain.finding import Finding
 from smarttestudo.language.parser.rule_file import ParseResult
 
-_THEMES = (blocks, rates, bounds, topics, conditions)
+_THEMES = (blocks, rates, bounds, topics, conditions, words)
 LINT_RULES = tuple(
     member for theme in _THEMES for member in vars(theme).values() if isinstance(member, LintRule)
 )

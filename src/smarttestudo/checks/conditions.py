@@ -14,7 +14,7 @@ from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_
 from smarttestudo.checks.rule_model import RuleModel, check_truth
 from smarttestudo.domain.finding import Fix, Severity, Span
 from smarttestudo.domain.profile import LevelUnit
-from smarttestudo.domain.signal import ArrivalProperty, Truth
+from smarttestudo.domain.signal import ArrivalProperty, SignalKind, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.language.formatter import (
     LineWriter,
@@ -61,9 +61,13 @@ def never_a_number(rules: RuleModel) -> Iterator[Found]:
         if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
             continue
         close = None
+        if signal.kind is SignalKind.UNRESOLVED or (observed is not None and observed.texts):
+            continue
         if observed is not None and observed.greatest is None:
             close = observed.close
             message = f"the recording has no value of {signal}: {observed.why}"
+        elif signal.kind is SignalKind.TEXT or not isinstance(check.syntax.value, float):
+            continue
         elif observed is None and is_text(rules.context.type_of(signal.topic), signal.property):
             message = f"{signal} is a text, and no number"
         else:

@@ -31,10 +31,11 @@ def values_of(spec: PropertySpec | None) -> Region:
 class ObservedValues:
     """Values of a property in a recording: the ``greatest``, ``None`` where there was none, and why.
 
-    ``close`` is a property that may be meant.
+    ``texts`` are those of one that is a text, at most a few. ``close`` is a property that may be meant.
     """
 
     greatest: float | None = None
+    texts: tuple[str, ...] = ()
     why: str = ""
     close: str | None = None
 

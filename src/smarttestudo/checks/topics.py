@@ -14,6 +14,7 @@ from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.checks.wording import close_topic, new_default, write_topic
 from smarttestudo.domain.finding import ProfileFix, Severity, Span
 from smarttestudo.domain.rate import Rate
+from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser.cursor import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
 
@@ -36,7 +37,7 @@ def unknown_property(rules: RuleModel) -> Iterator[Found]:
     """
     doubt_of = cache(partial(doubt_about, context=rules.context))
     for check in (*rules.checks, *rules.disabled_checks):
-        doubt = doubt_of(check.signal)
+        doubt = doubt_of(Signal(check.signal.topic, check.syntax.property))
         if doubt is not None:
             yield found_in(check.path, check.syntax.property_span, doubt)
 
