@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from smarttestudo.domain.parameter import (
     Accept,
@@ -25,7 +25,11 @@ class UnaskedRobot:
 
     is_time_simulated = False
     fed_nodes: frozenset[str] = frozenset()
+    doubted_nodes: frozenset[str] = frozenset()
     senders_remedy: str | None = None
+
+    def players(self, nodes: Collection[str]) -> frozenset[str]:
+        return frozenset()
 
     def local_subscriber_count(self, topic: str) -> int:
         raise NotImplementedError

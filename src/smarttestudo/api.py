@@ -33,6 +33,7 @@ from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop import decision_log
 from smarttestudo.pacing.sample import WhenSlow
 from smarttestudo.replays import replay as replaying
+from smarttestudo.replays.decisions import kept_decisions
 from smarttestudo.replays.outcome import ReplayOutcome
 from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.profile_file import load_profile
@@ -123,18 +124,20 @@ def measure_loss(
 ) -> LossReport:
     """Measure what the operator lost between the recordings ``sent`` by the robot and ``received``.
 
-    ``rules`` give the thresholds whose crossings count, ``topics`` are names or patterns, or a single one,
-    empty for all.
+    ``rules`` give the thresholds whose crossings count, and the bounds, if ``received`` or ``sent`` has the
+    decisions. ``topics`` are names or patterns, or a single one, empty for all.
     Raises ``TestudoError`` where one cannot be read, or they share nothing.
     """
     if rules is not None:
         _require_rules(rules)
+    a, b = _recording(sent, "sent"), _recording(received, "received")
     question = loss.LossQuestion(
         topics=_names(topics, "topics"),
         rule_set=rules,
+        decisions=() if rules is None else kept_decisions(b, a),
         profile=_profile(profile) or Profile(),
     )
-    return loss.measure_loss(_recording(sent, "sent"), _recording(received, "received"), question)
+    return loss.measure_loss(a, b, question)
 
 
 def read_decisions(path: AnyPath) -> list[Decision]:

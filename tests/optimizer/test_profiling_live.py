@@ -82,7 +82,7 @@ def test_what_is_not_the_robots_own_is_left_out(tmp_path: Path) -> None:
             "/parameter_events": Source(hz=1),
             "/_hidden": Source(hz=1),
             "/arm/_hidden/state": Source(hz=1),
-            "/testudo/decisions": Source(nodes=TESTUDO),
+            "/testudo/status": Source(nodes=TESTUDO),
             "/testudo/imu": Source(nodes=TESTUDO, hz=5),
             "/diagnostics": Source(nodes=(*TESTUDO, "/driver"), hz=1),
         }
@@ -95,7 +95,7 @@ def test_an_output_of_a_smarttestudo_that_is_recognised_late_is_left_out_too(tmp
         sources={
             "/imu": Source(hz=10),
             "/testudo/imu": Source(nodes=TESTUDO, hz=5),
-            "/testudo/decisions": Source(nodes=TESTUDO, from_s=3),
+            "/testudo/status": Source(nodes=TESTUDO, from_s=3),
         }
     )
     assert list(profile_in(tmp_path, measured(robot)).topics) == ["/imu"]

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from bags.bag_factory import BagContent, BagMessage, write_bag
 from bags.bag_reading import read_bag
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.profile import Profile
 from smarttestudo.replays.outcome import ReplayOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
@@ -20,9 +22,12 @@ from smarttestudo.rules.rule_sets import load_rules
 
 @dataclass(frozen=True)
 class ReplayRun:
+    """``messages`` are those relayed, ``recorded`` the decisions in the new recording."""
+
     outcome: ReplayOutcome
     messages: list[BagMessage]
     decisions: list[Decision]
+    recorded: list[BagMessage]
     progress: list[float]
     output: Path
 
@@ -53,7 +58,14 @@ def replay_bag(
                 **options,
             )
         )
-    return ReplayRun(outcome, read_bag(output).messages, decisions, shares, output)
+    messages = read_bag(output).messages
+    relayed, recorded = of_robot(messages), [one for one in messages if one.topic == DECISIONS_TOPIC]
+    return ReplayRun(outcome, relayed, decisions, recorded, shares, output)
+
+
+def of_robot(messages: Iterable[BagMessage]) -> list[BagMessage]:
+    """``messages`` without the decisions of a replay."""
+    return [one for one in messages if one.topic != DECISIONS_TOPIC]
 
 
 def replay_content(

@@ -30,10 +30,11 @@ from bags.bag_factory import (
 )
 from bags.bag_reading import read_with_mcap, read_with_rosbags
 from pacing.bitstreams import IDR, NON_IDR_P, PPS, SPS, compressed_image, nal
-from replays.replay_runs import replay_bag, replay_content
+from replays.replay_runs import of_robot, replay_bag, replay_content
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.recording import Storage
@@ -82,9 +83,10 @@ def test_other_readers_read_the_same_messages_whatever_went_in(
     came = {(message.topic, message.payload) for message in MISSION.messages}
     assert {(message.topic, message.payload) for message in run.messages} <= came
     assert run.on("/image") == [message for message in MISSION.messages if message.topic == "/image"]
-    assert read_with_rosbags(run.output) == run.messages
+    assert of_robot(read_with_rosbags(run.output)) == run.messages
+    assert [one for one in read_with_rosbags(run.output) if one in run.recorded] == run.recorded
     if storage is Storage.MCAP:
-        assert read_with_mcap(run.output / "monitored.mcap") == run.messages
+        assert of_robot(read_with_mcap(run.output / "monitored.mcap")) == run.messages
 
 
 def test_only_topics_with_a_rate_are_written_and_those_that_checks_read_are_not(tmp_path: Path) -> None:
@@ -92,7 +94,7 @@ def test_only_topics_with_a_rate_are_written_and_those_that_checks_read_are_not(
     run = replay_content(MISSION, rules, tmp_path)
     assert {message.topic for message in run.messages} == {"/scan"}
     with open_recording(run.output) as recording:
-        assert [channel.topic for channel in recording.channels] == ["/scan"]
+        assert {channel.topic for channel in recording.channels} == {"/scan", DECISIONS_TOPIC}
 
 
 def test_a_block_decides_from_the_message_on_that_makes_it_hold(tmp_path: Path) -> None:
@@ -181,7 +183,7 @@ def test_latched_topics_pass_and_stay_latched(tmp_path: Path) -> None:
     run = replay_content(MISSION, "SetFrequency /map_name 0.1", tmp_path)
     assert [message.topic for message in run.messages] == ["/map_name"]
     with open_recording(run.output) as recording:
-        assert [channel.transient_local for channel in recording.channels] == [True]
+        assert {channel.transient_local for channel in recording.channels} == {True}
 
 
 def test_topics_paced_with_another_pass_the_same_stamps(tmp_path: Path) -> None:

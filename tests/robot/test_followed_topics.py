@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot.small_graph import TEXT, SmallGraph
-from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import GraphChange
 from smarttestudo.robot.topic import Topic
 from smarttestudo.robot.topics import LiveTopics
@@ -104,7 +104,7 @@ def steps() -> st.SearchStrategy[Step]:
             st.booleans(),
         ),
         st.builds(lambda topic: lambda one: one.graph.operators.pop(f"/testudo{topic}", None), topic),
-        st.builds(lambda gid: lambda one: one.graph.joins(DECISIONS_TOPIC, gid, node="/other_testudo"), gid),
+        st.builds(lambda gid: lambda one: one.graph.joins(STATUS_TOPIC, gid, node="/other_testudo"), gid),
         st.builds(lambda topic: lambda one: one.graph.joins(topic, b"relayed", node="/other_testudo"), topic),
         st.builds(
             lambda relayed, watched, recorded: lambda one: one.follow(relayed, watched, recorded),

@@ -10,7 +10,7 @@ import pytest
 
 from robot.small_graph import NODE, TEXT, SmallGraph
 from smarttestudo.domain.compiled_relay import MessageCopy
-from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import GraphChange, Payload
 from smarttestudo.robot.gone_publishers import FOUND_WITHIN_NS
 from smarttestudo.robot.topic import Topic
@@ -105,11 +105,11 @@ def test_it_is_said_once_when_somebody_begins_to_listen_and_when_nobody_does_any
 def test_another_run_of_the_same_robot_is_named_once() -> None:
     graph = SmallGraph()
     live = Live(graph, "/imu")
-    graph.joins(DECISIONS_TOPIC, DRIVER, node=NODE)
-    graph.joins(DECISIONS_TOPIC, OTHER, node="/ada/smarttestudo")
+    graph.joins(STATUS_TOPIC, DRIVER, node=NODE)
+    graph.joins(STATUS_TOPIC, OTHER, node="/ada/smarttestudo")
     live.looks()
     assert lines_with(graph, "relays on this ROS graph") == []
-    graph.joins(DECISIONS_TOPIC, SECOND, node=NODE)
+    graph.joins(STATUS_TOPIC, SECOND, node=NODE)
     live.looks()
     assert lines_with(graph, "relays on this ROS graph") == [
         f"another {NODE} relays on this ROS graph, or was killed a moment ago: "

@@ -8,7 +8,7 @@ import pytest
 
 from robot.small_graph import SmallGraph
 from robot.test_live_topics import DRIVER, OTHER, Live, lines_with
-from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import UNKNOWN_NODE, receiving_node
 from smarttestudo.robot.fallback import FallbackTopics
 from smarttestudo.robot.output_topics import OutputTopic
@@ -22,7 +22,7 @@ def test_what_another_smarttestudo_sends_on_a_topic_of_the_robot_is_not_relayed(
     graph.listens("/testudo/imu")
     graph.joins("/imu", DRIVER)
     graph.joins("/imu", OTHER, node="/second_testudo")
-    graph.joins("/testudo/decisions", b"d", node="/second_testudo")
+    graph.joins(STATUS_TOPIC, b"d", node="/second_testudo")
     live.looks()
     graph.sends("/imu", OTHER, b"relayed before")
     graph.sends("/imu", DRIVER, b"measured")
@@ -34,10 +34,10 @@ def test_nobody_is_warned_of_endpoints_whose_node_is_not_discovered_yet() -> Non
     live = Live(graph, "/imu")
     graph.listens("/testudo/imu")
     graph.joins("/imu", DRIVER, node=unknown)
-    graph.joins(DECISIONS_TOPIC, OTHER, node=unknown)
+    graph.joins(STATUS_TOPIC, OTHER, node=unknown)
     live.looks(1)
     assert lines_with(graph, "SmartTestudo") == []
-    for topic, gid, node in (("/imu", DRIVER, "/driver"), (DECISIONS_TOPIC, OTHER, "/other_testudo")):
+    for topic, gid, node in (("/imu", DRIVER, "/driver"), (STATUS_TOPIC, OTHER, "/other_testudo")):
         graph.leaves(topic, gid)
         graph.joins(topic, gid, node=node)
     live.looks()

@@ -258,6 +258,12 @@ class SmallRobot:
         process.line_with("ready")
         return process
 
+    def player(self, bag: Path) -> Process:
+        """A process that plays a recording; see ``player.py``."""
+        process = self._start([str(FOLDER / "player.py"), str(bag)])
+        process.line_with("ready")
+        return process
+
     def testudo(self, *arguments: str) -> Process:
         """``testudo`` with ``arguments``."""
         return self._start(["-c", TESTUDO, *arguments])

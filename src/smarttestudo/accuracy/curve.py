@@ -23,7 +23,7 @@ from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.record import JsonEntry, derived, to_columns
-from smarttestudo.domain.recording import types_of_topics
+from smarttestudo.domain.recording import robots_own, types_of_topics
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, rounded
 
@@ -280,7 +280,7 @@ def measure_curves(
     fields, profile = fields or {}, profile or Profile()
     share = _SHARE_OF_RATES if with_accuracy else 1.0
     with open_recording(bag) as recording:
-        types = types_of_topics(recording.channels)
+        types = types_of_topics(robots_own(recording.channels))
         patterns = [*topics, *fields]
         chosen = sorted(select_topics(patterns, types, place=str(bag)) if patterns else types)
         readings = {topic: _reading(fields.get(topic, ()), profile.topic(topic)) for topic in chosen}

@@ -278,12 +278,17 @@ class LossMeasurement:
         for topic in sorted(self._unsent):
             if is_selected(topic, self._question.topics):
                 yield f"{topic}: {self._a.name} holds no message of it, so there is no loss to measure"
-        early_s = (self._a.span.end_ns - self._b.span.end_ns) / NS_PER_S
-        if early_s > _ENDS_EARLY_S and not self._b.span.is_empty:
+        early_s = self._ends_early_s()
+        if early_s is not None and early_s > _ENDS_EARLY_S:
             yield f"{self._b.name}: ends {early_s:.1f} s before {self._a.name}; nothing came in that time"
         for topic in sorted({one.signal.topic for one in self._thresholds}.difference(self._partners)):
             yield f"{topic}: a check reads it, which {self._b.name} lacks; its crossings are left out"
         yield from self._bound_notices()
+
+    def _ends_early_s(self) -> float | None:
+        """How long before A the last message of the robot in B came, in s; ``None`` without one."""
+        ends_s = [one.end_s for one in self._b.statistics.values() if one.end_s is not None]
+        return (self._a.span.end_ns - self._b.span.start_ns) / NS_PER_S - max(ends_s) if ends_s else None
 
     def _after_end(self, messages: Mapping[str, int]) -> dict[str, int]:
         came = {topic: messages.get(self._partners[topic], 0) for topic in sorted(self._asked)}

@@ -57,7 +57,9 @@ class RecordedMoment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class BagSummary:
-    """A recording that is called ``name``: its topics, and what was lost or odd, a line each.
+    """A recording that is called ``name``: the robot's topics, and what was lost or odd, a line each.
+
+    ``own_topics`` are those of what SmartTestudo said of itself, which no list and no sum holds.
 
     ``readable_share`` is how much of it can be read, 0 … 1, ``None`` where it is damaged and does not tell.
     ``incident`` is what rules recorded it for, if they did.
@@ -70,6 +72,9 @@ class BagSummary:
     readable_share: Annotated[float | None, JsonEntry(is_absent=True)] = 1.0
     notices: tuple[str, ...] = ()
     incident: Annotated[IncidentRecord | None, JsonEntry(is_absent=True)] = None
+    own_topics: Annotated[
+        tuple[BagTopic, ...], JsonEntry(name="testudo_topics", keyed_by="name", omits_default=True)
+    ] = ()
 
     @property
     @derived()
@@ -110,6 +115,15 @@ class BagSummary:
     def statistics(self) -> dict[str, TopicStatistics]:
         """The numbers of each topic by its name."""
         return {topic.name: topic.statistics for topic in self.topics}
+
+    def naming(self, names: Collection[str]) -> BagSummary:
+        """The same with those of ``own_topics`` that ``names`` has among the others; patterns name none."""
+        asked = tuple(topic for topic in self.own_topics if topic.name in names)
+        if not asked:
+            return self
+        own = tuple(topic for topic in self.own_topics if topic not in asked)
+        topics = sorted((*self.topics, *asked), key=lambda topic: topic.name)
+        return replace(self, topics=tuple(topics), own_topics=own)
 
     def over(self, duration_s: float) -> BagSummary:
         """The same with bandwidths over ``duration_s``."""

@@ -25,6 +25,7 @@ from smarttestudo.bags.statistics import (
     topic_statistics,
 )
 from smarttestudo.domain.errors import RecordingError
+from smarttestudo.domain.names import is_own_topic
 from smarttestudo.domain.rate_meter import Intervals
 from smarttestudo.domain.recording import Channel, RecordedSize, RecordingReader
 from smarttestudo.pacing.cdr import STAMPED_BYTES, header_stamp_ns
@@ -227,15 +228,17 @@ def _summary(
     )
     incident, incident_lacks = _incident(path, span)
     by_topic = groupby(sorted(recording.channels, key=_topic_of), key=_topic_of)
-    topics = tuple(
+    measured = [
         counters[topic].topic(tuple(channels), span, is_declared=topic in recording.declared_bytes)
         for topic, channels in by_topic
-    )
+    ]
+    own = tuple(topic for topic in measured if is_own_topic(topic.name, topic.type_name))
     return BagSummary(
         name=str(path),
         storage=recording.storage,
         span=span,
-        topics=topics,
+        topics=tuple(topic for topic in measured if topic not in own),
+        own_topics=own,
         readable_share=recording.readable_share,
         notices=(
             *recording.notices(),

@@ -10,7 +10,7 @@ from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.bags.topic_selection import select_topics
 from smarttestudo.domain.names import is_topic_name
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import TWO_TYPES, RecordingReader, first_of_topics
+from smarttestudo.domain.recording import TWO_TYPES, RecordingReader, first_of_topics, robots_own
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.optimizer.profiling import TierProposal, TopicMeasure, profile_text
 
@@ -33,7 +33,7 @@ def profile_of_recording(
     the accuracies in ``levels`` are measured in place of proposed ones.
     """
     declared_bytes, types = recording.declared_bytes, TypeLibrary()
-    sources = first_of_topics(recording.channels)
+    sources = first_of_topics(robots_own(recording.channels))
     chosen = select_topics(patterns, sources.keys(), place=name) if patterns else sources.keys()
     measures = {
         channel.topic: TopicMeasure(
@@ -59,8 +59,9 @@ def profile_of_recording(
 
 def profile_notices(recording: RecordingReader) -> Iterator[str]:
     """Notices of what a profile of ``recording`` leaves out, a line each."""
-    sources = first_of_topics(recording.channels)
-    for channel in recording.channels:
+    channels = robots_own(recording.channels)
+    sources = first_of_topics(channels)
+    for channel in channels:
         if not is_topic_name(channel.topic):
             yield f"{channel.topic}: no name of a ROS topic; left out"
         elif channel.type_name != sources[channel.topic].type_name:

@@ -106,6 +106,7 @@ class _Summaries(RecordingCommand[BagSummary]):
 
     def shown(self, result: BagSummary) -> BagSummary:
         """The topics that are asked for; of several recordings, not each need have one."""
+        result = result.naming(self._patterns)
         if self._patterns and self._is_only:
             result = result.only(select_topics(self._patterns, result.statistics, place=result.name))
         elif self._patterns:
@@ -188,7 +189,7 @@ class _Comparisons(RecordingCommand[BagComparison]):
     @staticmethod
     def measure(arguments: argparse.Namespace, progress: Progress) -> BagComparison:
         mapping = topic_mapping(arguments.map)
-        a, b = measured(arguments.a, progress), measured(arguments.b, progress)
+        a, b = (measured(one, progress).naming(arguments.topics) for one in (arguments.a, arguments.b))
         select_topics(tuple(mapping), a.statistics, place=a.name)
         select_topics(tuple(mapping.values()), b.statistics, place=b.name)
         compared = compare_bags(a, b, mapping)

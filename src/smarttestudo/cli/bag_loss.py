@@ -82,8 +82,8 @@ def add_arguments(action: CommandParser) -> None:
         "--decisions",
         metavar="FILE",
         type=file_path,
-        help="the file that --decisions wrote when B was made: when blocks asked for bounds; without it, the "
-        "rules decide over A once more",
+        help="the file that --decisions wrote when B was made: when blocks asked for bounds (default: "
+        "/testudo/decisions of B or A; without that, the rules decide over A once more)",
     )
     add_predict(action)
     action.add_argument(
@@ -157,14 +157,16 @@ class _Losses(RecordingCommand["LossReport"]):
 def _decisions(
     arguments: argparse.Namespace, rules: LoadedRules | None, profile: Profile, progress: Progress
 ) -> Sequence[Decision]:
-    """Decisions that were kept, else, where blocks ask for bounds, those of the rules over A."""
-    from smarttestudo.replays.decisions import decisions_over  # noqa: PLC0415  as above
+    """Decisions that were kept, where blocks ask for bounds; else those of the rules over A."""
+    from smarttestudo.replays.decisions import decisions_over, kept_decisions  # noqa: PLC0415  as above
 
     if arguments.decisions is not None:
         return read_decisions(arguments.decisions, print_notice)
     rule_set = rules.rule_set if rules else None
     if rule_set is None or not any(needs_decisions(rule_set, topic) for topic in bounded_topics(rule_set)):
         return ()
+    if kept := kept_decisions(arguments.b, arguments.a):
+        return kept
     with progress(f"Deciding over {arguments.a}") as report:
         return decisions_over(arguments.a, rule_set, profile, report)
 

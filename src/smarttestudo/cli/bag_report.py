@@ -261,10 +261,13 @@ def add_arguments(action: CommandParser) -> None:
         type=file_path,
         default=[],
         help="the rule files of B, or folders of them; shown, with their zones on the map; of several "
-        "recordings they decide over each A once more",
+        "recordings they decide over each A once more where no decisions were recorded",
     )
     action.add_argument(
-        "--decisions", metavar="FILE", type=file_path, help="the file that --decisions wrote when B was made"
+        "--decisions",
+        metavar="FILE",
+        type=file_path,
+        help="the file that --decisions wrote when B was made (default: /testudo/decisions of B or A)",
     )
     action.add_argument(
         "--profile", metavar="FILE", type=file_path, help="levels and priorities of the topics (TOML)"
@@ -355,6 +358,7 @@ def _map_files(nav2_map: Path | None) -> Sequence[Path]:
 
 def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules | None) -> RunReport:
     from smarttestudo.domain.floor_plan import FloorPlan  # noqa: PLC0415
+    from smarttestudo.replays.decisions import kept_decisions  # noqa: PLC0415
     from smarttestudo.report.bag_report import ReportRequest, bag_report  # noqa: PLC0415
     from smarttestudo.report.comparison_tables import RunNames  # noqa: PLC0415
     from smarttestudo.report.run_report import Fact  # noqa: PLC0415
@@ -382,7 +386,9 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,
             rule_texts=rules.texts if rules else {},
-            decisions=read_decisions(arguments.decisions, print_notice) if arguments.decisions else (),
+            decisions=read_decisions(arguments.decisions, print_notice)
+            if arguments.decisions
+            else kept_decisions(b, a),
             predict=arguments.predict,
             profile=profile,
             budget_kb_per_s=arguments.budget,

@@ -130,9 +130,10 @@ def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseRes
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  needs packages a robot lacks
     from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  as above
     from smarttestudo.cli.bag_options import print_notices  # noqa: PLC0415  loads what tables need
+    from smarttestudo.domain.recording import robots_own  # noqa: PLC0415  as above
 
     with open_recording(bag) as recording:
-        found = recorded_types(recording.channels)
+        found = recorded_types(robots_own(recording.channels))
         types = known_types(found, context.profile)
         blocks = resolve_rules([result.file for result in results], resolve_topic, types).blocks
         signals = {check.signal for block in blocks for check in block.checks}

@@ -32,7 +32,7 @@ from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import column_types
-from smarttestudo.domain.recording import RecordingReader, Storage
+from smarttestudo.domain.recording import RecordingReader, Storage, robots_own
 from smarttestudo.domain.units import counted
 from smarttestudo.files.outputs import make_folder, require_separate
 from smarttestudo.files.whole_file import whole_file
@@ -203,7 +203,8 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
 
         profile = _profile(arguments)
         with open_recording(arguments.bag) as recording:
-            found = recorded_types(recording.channels).without_outputs(arguments.output_topic)
+            channels = robots_own(recording.channels)
+            found = recorded_types(channels).without_outputs(arguments.output_topic)
             rules = load_rules(arguments.rules, profile=profile, found=found)
             rules.refuse_errors()
             return _replay(arguments, recording, profile or Profile(), rules, progress)

@@ -18,6 +18,9 @@ MAX_NAME_LENGTH = 247
 """ROS 2's own limit: the middleware has 255 letters, of which eight are kept for prefixes such as ``rt/``."""
 STATUS_TOPIC = "/testudo/status"
 DECISIONS_TOPIC = "/testudo/decisions"
+OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC})
+"""What a SmartTestudo node alone publishes. ``/diagnostics`` and its like have publishers in many nodes."""
+TEXT_TYPE = "std_msgs/msg/String"
 NAME_OPTION = "--ros-args -r __node:=smarttestudo_2"
 """How `testudo run` gets another name than the node of another robot on its ROS graph."""
 TOPIC_PLACEHOLDER = "{topic}"
@@ -64,6 +67,11 @@ def require_publishable(name: str, topic: str) -> None:
             place=topic,
             remedy="give it a shorter name, or choose a shorter --output-topic",
         )
+
+
+def is_own_topic(name: str, type_name: str) -> bool:
+    """Whether a recorded topic is what a SmartTestudo node said of itself, perhaps below a robot's name."""
+    return type_name == TEXT_TYPE and any(name.endswith(own) for own in OWN_TOPICS)
 
 
 def is_topic_prefix(text: str) -> bool:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Protocol
 
+from smarttestudo.domain.names import is_own_topic
 from smarttestudo.domain.units import utc_time
 
 
@@ -60,6 +61,11 @@ def first_of_topics(channels: Iterable[Channel]) -> dict[str, Channel]:
     for channel in channels:
         first.setdefault(channel.topic, channel)
     return first
+
+
+def robots_own(channels: Iterable[Channel]) -> list[Channel]:
+    """``channels`` without those of what a SmartTestudo node said of itself."""
+    return [channel for channel in channels if not is_own_topic(channel.topic, channel.type_name)]
 
 
 def types_of_topics(channels: Iterable[Channel]) -> dict[str, str]:

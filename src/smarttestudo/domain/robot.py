@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum, IntEnum, auto
 from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
@@ -20,7 +21,7 @@ from smarttestudo.domain.parameter import (
 
 if TYPE_CHECKING:
     from smarttestudo.domain.compiled_relay import CompiledRelays
-from smarttestudo.domain.names import DECISIONS_TOPIC, NAME_OPTION
+from smarttestudo.domain.names import NAME_OPTION, STATUS_TOPIC
 from smarttestudo.domain.type_definition import TypeDefinition
 
 
@@ -246,6 +247,13 @@ class Robot(Protocol):
         """The nodes on the robot's own graph that publish what this one sends over a link."""
 
     @property
+    def doubted_nodes(self) -> frozenset[str]:
+        """Nodes of which it is not known yet whether they are ``players``."""
+
+    def players(self, nodes: Collection[str]) -> frozenset[str]:
+        """Those of ``nodes``, all of which publish statuses, that publish the ones of a recording."""
+
+    @property
     def log(self) -> RobotLog: ...
 
     @property
@@ -372,19 +380,25 @@ def receiving_node(receiver: int) -> str:
     return f"testudo_receive_{receiver}"
 
 
-def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
-    """The nodes that relay, this one among them: they publish decisions, or what this one sends.
+_RECEIVING_NODE = re.compile(r"/testudo_receive_\d+", re.ASCII)
 
-    ``warn`` is called where another one has the name of this one.
+
+def relaying_nodes(robot: Robot, warn: Callable[[str], None] | None = None) -> frozenset[str]:
+    """The nodes that relay, this one among them: they publish their status, or what this one sends.
+
+    A player of a recording publishes the statuses of others, and relays nothing. ``warn`` is called where
+    another node has the name of this one.
     """
-    relaying = [endpoint.node for endpoint in robot.publishers(DECISIONS_TOPIC)]
+    relaying = [endpoint.node for endpoint in robot.publishers(STATUS_TOPIC)]
+    known = {robot.name, *robot.fed_nodes, *filter(_RECEIVING_NODE.fullmatch, relaying)}
+    players = robot.players(set(relaying) - known)
     if warn is not None and relaying.count(robot.name) > 1:
         warn(
             f"another {robot.name} relays on this ROS graph, or was killed a moment ago: "
             "end one of them, as what both relay arrives twice; or, for two robots, give each a name, as "
             f"with {NAME_OPTION}: rules can be pushed to neither so"
         )
-    return frozenset({*relaying, robot.name, *robot.fed_nodes})
+    return frozenset({*relaying, *known} - players)
 
 
 def visible_topics(robot: Robot) -> dict[str, list[Endpoint]]:

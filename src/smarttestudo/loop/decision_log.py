@@ -38,7 +38,7 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
     """
     _require_no_other(path)
     with whole_file(path, _CONTENT) as write:
-        yield lambda decisions: write("".join(f"{_line(decision)}\n" for decision in decisions))
+        yield lambda decisions: write("".join(f"{decision_text(decision)}\n" for decision in decisions))
 
 
 @contextmanager
@@ -57,7 +57,7 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
 
     def append(decisions: Iterable[Decision]) -> None:
         try:
-            file.write("".join(f"{_line(decision)}\n" for decision in decisions))
+            file.write("".join(f"{decision_text(decision)}\n" for decision in decisions))
             file.flush()
         except OSError as error:
             raise not_written(path, _CONTENT, error) from error
@@ -139,7 +139,8 @@ def _parsed(line: str, place: str) -> Decision:
         raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
 
 
-def _line(decision: Decision) -> str:
+def decision_text(decision: Decision) -> str:
+    """A decision as a line of JSON, in files and on ``/testudo/decisions``."""
     return json_text(decision.to_json(), ascii_only=False)
 
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from smarttestudo.domain.decision import Decision, PlannedRate
 from smarttestudo.domain.errors import RecordingError, UsageError
-from smarttestudo.domain.names import DECISIONS_TOPIC
+from smarttestudo.domain.names import DECISIONS_TOPIC, is_own_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.signal import Signal, Value
 from smarttestudo.domain.units import utc_time
@@ -27,14 +27,13 @@ from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.pacing.cdr import string_text
 
 if TYPE_CHECKING:
-    from smarttestudo.domain.recording import RecordingReader
+    from smarttestudo.domain.recording import Channel, RecordingReader
 
 AtNs = Callable[[int, int, int], int]
 """The moment that is asked for: by the first stamp, that from which seconds count, and the last one."""
 
 _NAMED = 8
 _DECISIONS_REMEDY = "give a file of --decisions, a recording of /testudo/decisions, or the rules with --rules"
-_TEXT_TYPE = "std_msgs/msg/String"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,17 +160,26 @@ def reason_in_decisions(
 
 
 def recorded_decisions(recording: RecordingReader) -> list[tuple[int, Decision]]:
-    """The decisions that a recording has on ``/testudo/decisions``, with the stamps of their messages."""
-    topics = {
-        one.topic
-        for one in recording.channels
-        if one.topic.endswith(DECISIONS_TOPIC) and one.type_name == _TEXT_TYPE
-    }
-    decisions: list[tuple[int, Decision]] = []
+    """The decisions that a recording has on ``/testudo/decisions``, with the stamps of their messages.
+
+    Each counts once: a link sends the last ones again after an outage. Raises ``RecordingError`` for a
+    recording with those of several robots, which nothing tells apart.
+    """
+    topics = sorted({one.topic for one in recording.channels if _has_decisions(one)})
+    if len(topics) > 1:
+        raise RecordingError(
+            "it has the decisions of several robots", place=", ".join(topics), remedy=_DECISIONS_REMEDY
+        )
+    decisions: dict[str, tuple[int, Decision]] = {}
     for _, stamp_ns, payload in recording.messages(topics) if topics else ():
+        text = string_text(payload) or ""
         with suppress(ValueError, RecursionError):
-            decisions.append((stamp_ns, Decision.from_json(json.loads(string_text(payload) or ""))))
-    return decisions
+            decisions.setdefault(text, (stamp_ns, Decision.from_json(json.loads(text))))
+    return [*decisions.values()]
+
+
+def _has_decisions(channel: Channel) -> bool:
+    return channel.topic.endswith(DECISIONS_TOPIC) and is_own_topic(channel.topic, channel.type_name)
 
 
 def require_relayed(topic: str, relayed: Iterable[str]) -> None:

@@ -26,18 +26,28 @@ from smarttestudo.domain.recording import (
     RecordingReader,
     RecordingWriter,
     Storage,
+    robots_own,
 )
 from smarttestudo.domain.status import ThinningDoubt
 from smarttestudo.domain.units import LAST_STAMP_NS, NS_PER_S, counted
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.loop.decision_log import decision_text
 from smarttestudo.loop.inputs import GraphInput, LoopInput, MessageInput, WakeInput
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.loop.statistics import RelayStatistics
+from smarttestudo.pacing.cdr import string_message
 from smarttestudo.pacing.sample import WhenSlow, is_patch
 from smarttestudo.replays.incidents import IncidentCutter, IncidentRequest, incident_cutter
 from smarttestudo.replays.outcome import ReplayOutcome, topic_outcome
-from smarttestudo.replays.topics import ReplayTopics, absent_topics, replay_topics, require_decodable
+from smarttestudo.replays.topics import (
+    ReplayTopics,
+    absent_topics,
+    decisions_channel,
+    earlier_topics,
+    replay_topics,
+    require_decodable,
+)
 
 _REPORTS = 200
 _REDEFINED_INCIDENT = "incidents hold messages of its first definition only; left out of them"
@@ -61,7 +71,8 @@ class ReplayRequest:
     is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
     time and the loop whenever that may have changed. ``incidents`` asks for what the rules record. Messages
     of topics in ``left_out`` are not relayed: nothing must depend on them. The replay ends at ``until_ns``,
-    if that is before the recording does, and ``ended`` is shown that time and the loop.
+    if that is before the recording does, and ``ended`` is shown that time and the loop. A new recording also
+    has the decisions, on the topic of a live run; those that the recording may have are left out.
     """
 
     recording: RecordingReader
@@ -82,6 +93,11 @@ class ReplayRequest:
     left_out: Collection[str] = ()
     until_ns: int = LAST_STAMP_NS
     ended: Callable[[int, RelayLoop], None] | None = None
+
+    @property
+    def is_recorded(self) -> bool:
+        """Whether there is to be a new recording."""
+        return self.writer is None and self.output is not None
 
 
 def replay(request: ReplayRequest) -> ReplayOutcome:
@@ -144,7 +160,7 @@ def _decoded(decoder: RosbagDecoder, channel: Channel, payload: bytes) -> object
 def _output(
     request: ReplayRequest, declared_bytes: Mapping[str, int]
 ) -> AbstractContextManager[RecordingWriter]:
-    if request.writer is not None or request.output is None:
+    if not request.is_recorded or request.output is None:
         return nullcontext(request.writer or _Nowhere())
     return create_recording(
         request.output,
@@ -171,8 +187,9 @@ class _Run:
     def of(cls, request: ReplayRequest, decoder: RosbagDecoder, opened: ExitStack) -> _Run:
         """The run for ``request``, whose output lasts as long as ``opened``."""
         recording, rule_set = request.recording, request.rule_set
-        require_decodable(recording.channels, rule_set, decoder)
-        topics = replay_topics(recording.channels, rule_set, decoder, request.output_topic)
+        channels = robots_own(recording.channels)
+        require_decodable(channels, rule_set, decoder)
+        topics = replay_topics(channels, rule_set, decoder, request.output_topic)
         declared_bytes = {
             topics.outputs[topic].topic: size
             for topic, size in recording.declared_bytes.items()
@@ -207,6 +224,8 @@ class _Run:
         self.decoded: frozenset[str] = frozenset()
         """The topics whose messages must come decoded, once the run began."""
         self._decisions = 0
+        self._untold: list[Decision] = []
+        self._decisions_channel = decisions_channel() if request.is_recorded else None
         self.until_ns = request.until_ns
         self._request = request
         self._loop = loop
@@ -268,11 +287,21 @@ class _Run:
         relayed = self._loop.handle(given)
         if self._cutter is not None and self._loop.triggers:
             self._cutter.begin(self._loop.triggers)
+        if self._decisions_channel is not None:
+            self._record_decisions(self._decisions_channel)
         return relayed
+
+    def _record_decisions(self, channel: Channel) -> None:
+        """Write what was decided, before any message that passes because of it."""
+        for decision in self._loop.take_decisions():
+            self._untold.append(decision)
+            self._writer.write(channel, decision.stamp_ns, string_message(decision_text(decision)))
 
     def _cut(self, cutter: IncidentCutter, channel: Channel, stamp_ns: int, payload: bytes) -> None:
         """Let incidents have the message, if it means what they say of the topic."""
-        source = self._topics.sources[channel.topic]
+        source = self._topics.sources.get(channel.topic)
+        if source is None:
+            return
         if source is channel:
             self._wake_before(stamp_ns)
             cutter.on_message(channel, stamp_ns, payload)
@@ -304,7 +333,10 @@ class _Run:
             },
             decisions=self._decisions,
             notices=(
-                *absent_topics(self._request.rule_set, topics.sources),
+                *absent_topics(self._request.rule_set, {one.topic for one in recording.channels}),
+                *earlier_topics(
+                    recording.channels, self._request.rule_set, is_written=self._request.is_recorded
+                ),
                 *recording.notices(),
                 *self._notices(),
             ),
@@ -379,7 +411,7 @@ class _Run:
 
     def _report(self, stamp_ns: int) -> int:
         """Hand on decisions and progress; how many ns of the recording to go until the next time."""
-        decisions = self._loop.take_decisions()
+        decisions, self._untold = [*self._untold, *self._loop.take_decisions()], []
         if decisions:
             self._decisions += len(decisions)
             self._request.decided(decisions)

@@ -9,12 +9,15 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from smarttestudo.bags.definitions import RosbagDecoder
-from smarttestudo.domain.errors import RecordingError
-from smarttestudo.domain.names import output_name
+from smarttestudo.bags.metadata_text import offered_qos
+from smarttestudo.bags.qos import qos_profiles
+from smarttestudo.domain.errors import RecordingError, UsageError
+from smarttestudo.domain.names import DECISIONS_TOPIC, OWN_TOPICS, TEXT_TYPE, is_own_topic, output_name
 from smarttestudo.domain.recording import Channel, first_of_topics
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
 from smarttestudo.language.rule_set import RuleSet
+from smarttestudo.robot.decisions import DECISIONS_QOS
 
 _INDEX = re.compile(r"\[[^\]]*\]")
 
@@ -59,13 +62,18 @@ def replay_topics(
 ) -> ReplayTopics:
     """The topics of a replay.
 
-    Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none.
+    Raises ``UsageError`` where ``output_topic`` gives several topics one name, or a name that is none or is
+    that of a topic of SmartTestudo.
     """
     sources = first_of_topics(channels)
     names = {topic: output_name(topic, output_topic) for topic in rule_set.relayed}
     outputs = {
         topic: replace(sources[topic], topic=name) for topic, name in names.items() if topic in sources
     }
+    for topic, output in outputs.items():
+        if output.topic in OWN_TOPICS:
+            cause = f"{topic} would be relayed to {output.topic}, where SmartTestudo says what it does"
+            raise UsageError(cause, place="--output-topic", remedy="choose another pattern")
     unread = {
         signal
         for signal in rule_set.signals
@@ -79,6 +87,30 @@ def replay_topics(
 
 def _field(signal: Signal) -> str:
     return _INDEX.sub("", signal.property.removeprefix(MESSAGE_PREFIX))
+
+
+def decisions_channel() -> Channel:
+    """The topic of decisions, as a live run has it."""
+    return Channel(
+        topic=DECISIONS_TOPIC,
+        type_name=TEXT_TYPE,
+        qos=qos_profiles(offered_qos(DECISIONS_QOS)),
+        transient_local=DECISIONS_QOS.transient_local,
+    )
+
+
+def earlier_topics(channels: Sequence[Channel], rule_set: RuleSet, *, is_written: bool) -> Iterator[str]:
+    """A notice for each topic that an earlier run said of itself, where that may be missed.
+
+    Rules neither relay nor read it, and the new recording, if it ``is_written``, has decisions of its own.
+    """
+    named = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+    own = {one.topic for one in channels if is_own_topic(one.topic, one.type_name)}
+    for topic in sorted(own):
+        if is_written and topic.endswith(DECISIONS_TOPIC):
+            yield f"{topic}: left out, as it is of an earlier run; the new recording has decisions of its own"
+        elif topic in named:
+            yield f"{topic}: left out, as SmartTestudo said it of itself; rules neither relay nor read it"
 
 
 def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]:

@@ -102,9 +102,11 @@ class PairedRuns:
         Raises:
             RecordingError: the two have no topic in common, or one of ``topics`` is in neither.
         """
+        a = replace(a, summary=a.summary.naming(topics))
+        b = None if b is None else replace(b, summary=b.summary.naming(topics))
         if b is None:
             compared = compare(a.summary.statistics, {}).topics
-            names, place = frozenset(a.topics), a.summary.name
+            names, place = frozenset(a.summary.statistics), a.summary.name
         else:
             both = compare_bags(a.summary, b.summary, mapping)
             compared, names = both.comparison.topics, both.names
@@ -139,21 +141,6 @@ class PairedRuns:
             after=_total(self.b, [pair.after_topic for pair in self.pairs], self._span_of_b),
         )
 
-    def timed(self, decisions: Sequence[Decision]) -> tuple[tuple[Decision, ...], tuple[str, ...]]:
-        """``decisions`` timed from the start of ``a``, and why there are none where they are of another time.
-
-        What was planned last before the start held then already, so it is where each topic starts.
-        """
-        span = self.a.summary.span
-        within = [decision for decision in decisions if span.start_ns <= decision.stamp_ns <= span.end_ns]
-        if decisions and not within:
-            return (), ("no decision falls into the time of the recording; they are left out",)
-        held = _held_at(span.start_ns, decisions)
-        return (
-            *(replace(one, t_s=0.0, from_rate=None, from_within={}) for one in held),
-            *(replace(one, t_s=(one.stamp_ns - span.start_ns) / NS_PER_S) for one in within),
-        ), ()
-
     def notices(self) -> tuple[str, ...]:
         """Notices of what was lost or odd, a line each."""
         if self.b is None:
@@ -173,6 +160,23 @@ class PairedRuns:
     @property
     def _span_of_b(self) -> RecordingSpan:
         return self.a.summary.span if self.b is None or self._share_time else self.b.summary.span
+
+
+def timed_from_start(
+    decisions: Sequence[Decision], span: RecordingSpan
+) -> tuple[tuple[Decision, ...], tuple[str, ...]]:
+    """``decisions`` timed from the start of ``span``, and why there are none where they are of another time.
+
+    What was planned last before the start held then already, so it is where each topic starts.
+    """
+    within = [decision for decision in decisions if span.start_ns <= decision.stamp_ns <= span.end_ns]
+    if decisions and not within:
+        return (), ("no decision falls into the time of the recording; they are left out",)
+    held = _held_at(span.start_ns, decisions)
+    return (
+        *(replace(one, t_s=0.0, from_rate=None, from_within={}) for one in held),
+        *(replace(one, t_s=(one.stamp_ns - span.start_ns) / NS_PER_S) for one in within),
+    ), ()
 
 
 def _held_at(start_ns: int, decisions: Sequence[Decision]) -> list[Decision]:
@@ -309,8 +313,8 @@ def _measure(request: ReportRequest, *, with_places: bool) -> PairedRuns:
 
 
 def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
-    decisions, decision_notices = runs.timed(request.decisions)
     summary = runs.a.summary
+    decisions, decision_notices = timed_from_start(request.decisions, summary.span)
     return RunReport(
         title=request.title,
         explanation=request.explanation,

@@ -38,6 +38,7 @@ def info_table(bag: BagSummary) -> Table[BagTopic]:
             *(() if span.is_empty else (f"from {utc_time(span.start_ns)} to {utc_time(span.end_ns)}",)),
             *incident_subtitles(bag.incident),
             *_damage(bag),
+            *_own_topics(bag),
         ),
         columns=tuple(_info_columns(bag)),
         rows=bag.topics,
@@ -112,6 +113,15 @@ def _damage(bag: BagSummary) -> tuple[str, ...]:
         return ()
     unknown = "; how much is missing is not known" if bag.readable_share is None else ""
     return (f"damaged: {readable_until(bag.readable_share, bag.span.end_ns)}{unknown}",)
+
+
+def _own_topics(bag: BagSummary) -> tuple[str, ...]:
+    if not bag.own_topics:
+        return ()
+    listed = ", ".join(
+        f"{topic.name} ({counted(topic.statistics.messages, 'message')})" for topic in bag.own_topics
+    )
+    return (f"beside them, in no sum, what SmartTestudo said of itself: {listed}",)
 
 
 def _message_kb(topic: BagTopic) -> float | None:

@@ -13,7 +13,7 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.link import StreamCounts, TopicOnLink
-from smarttestudo.domain.names import STATUS_TOPIC
+from smarttestudo.domain.names import STATUS_TOPIC, TEXT_TYPE
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
@@ -41,7 +41,6 @@ _MOST_VALUE = 1e12
 _MOST_COUNT = 10**15
 _LATE_PERIODS = 3.5
 _LEAST_STATUS_HZ = 0.01
-_TEXT_TYPE = "std_msgs/msg/String"
 _MESSAGES_PER_REPORT = 4096
 
 
@@ -250,7 +249,7 @@ def link_history(
 
 
 def _is_status(channel: Channel) -> bool:
-    return channel.topic == STATUS_TOPIC and channel.type_name == _TEXT_TYPE
+    return channel.topic == STATUS_TOPIC and channel.type_name == TEXT_TYPE
 
 
 _OUTAGE = RuleStyle(css_class="by-other", name="Nothing arrived")

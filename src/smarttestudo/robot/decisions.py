@@ -8,9 +8,9 @@ from collections.abc import Callable, Sequence
 
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.errors import said
-from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.robot import Qos, Robot
+from smarttestudo.loop.decision_log import decision_text
 
 # Late subscribers get the last decisions, so that they see which plan holds.
 DECISIONS_QOS = Qos(reliable=True, transient_local=True, depth=100)
@@ -49,7 +49,7 @@ class LiveDecisions:
 
     def _announce_all(self, decisions: Sequence[Decision]) -> None:
         for decision in decisions:
-            self._announce(json_text(decision.to_json(), ascii_only=False))
+            self._announce(decision_text(decision))
 
 
 def decision_line(decision: Decision) -> str:

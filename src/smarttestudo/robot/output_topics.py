@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import (
-    DECISIONS_TOPIC,
     MAX_NAME_LENGTH,
-    STATUS_TOPIC,
+    OWN_TOPICS,
     output_name,
 )
 from smarttestudo.domain.robot import Robot
@@ -19,8 +18,6 @@ from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RuleSet
 
 DEFAULT_OUTPUT_TOPIC = "/testudo{topic}"
-OWN_TOPICS = frozenset({DECISIONS_TOPIC, STATUS_TOPIC})
-"""What a SmartTestudo node alone publishes. ``/diagnostics`` and its like have publishers in many nodes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

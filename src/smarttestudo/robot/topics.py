@@ -101,6 +101,7 @@ class LiveTopics:
             self._asking(robot.subscriber_count, 0), self._asking(robot.subscribers, ())
         )
         self._testudos: frozenset[str] = frozenset()
+        self._doubted: frozenset[str] = frozenset()
         self._warn_once = SayOnce(robot.log.warning)
         self._wanted_at = -1
         """The ``changes`` by which the wanted topics are subscribed to."""
@@ -154,8 +155,9 @@ class LiveTopics:
         testudos = self._relaying_nodes()
         moved = self._publishers.poll(self._topics, graph)
         unseen = [name for name, one in self._topics.items() if one.source is None or not one.is_reported]
-        if testudos != self._testudos:
-            moved, self._testudos = list(self._topics), testudos
+        doubted = self._robot.doubted_nodes
+        if (testudos, doubted) != (self._testudos, self._doubted):
+            moved, self._testudos, self._doubted = list(self._topics), testudos, doubted
         changes = [self._look_at(self._topics[name]) for name in dict.fromkeys([*moved, *unseen])]
         changed = [change for change in changes if change is not None]
         if moved or changed:
@@ -268,7 +270,7 @@ class LiveTopics:
         )
 
     def _report_others(self, topic: str, endpoints: Sequence[Endpoint], own: Sequence[Endpoint]) -> None:
-        if any(one.node.endswith(UNKNOWN_NODE) for one in endpoints):
+        if any(one.node.endswith(UNKNOWN_NODE) or one.node in self._doubted for one in endpoints):
             # Whose they are is known a moment later.
             return
         if topic in _OF_EVERY_RUN and self._data_path.identifies_publishers:

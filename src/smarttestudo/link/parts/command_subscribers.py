@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.link import IncomingCommands, OutgoingLink, TooOld
+from smarttestudo.domain.names import OWN_TOPICS
 from smarttestudo.domain.robot import Publisher, Qos, Robot
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.texts import SayOnce
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.output_topics import OWN_TOPICS
 from smarttestudo.robot.part import Part
 
 QOS = Qos(reliable=True, transient_local=False, depth=1)

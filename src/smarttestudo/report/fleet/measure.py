@@ -24,8 +24,8 @@ from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
-from smarttestudo.replays.decisions import decisions_over
-from smarttestudo.report.bag_report import known_or_why
+from smarttestudo.replays.decisions import decisions_over, kept_decisions
+from smarttestudo.report.bag_report import known_or_why, timed_from_start
 from smarttestudo.report.fleet.numbers import (
     BoundNumbers,
     Received,
@@ -50,7 +50,8 @@ Traces = Mapping[str, TraceAccumulator]
 class RecordingQuestion:
     """A recording ``a`` of ``robot``, if there is one also ``b``, and what is asked as of ``ReportRequest``.
 
-    Of ``topics`` a recording need not have one. ``rule_set`` decides over ``a``.
+    Of ``topics`` a recording need not have one. ``rule_set`` decides over ``a``, where neither recording has
+    decisions.
     """
 
     a: Path
@@ -78,15 +79,18 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
     Raises:
         RecordingError: one cannot be read; they share no topic.
     """
-    a = _measure(question, question.a)
-    b = None if question.b is None else _measure(question, question.b)
+    kept = kept_decisions(question.b, question.a)
+    has_decisions = bool(kept) or question.rule_set is not None
+    a = _measure(question.a, over_time=has_decisions)
+    b = None if question.b is None else _measure(question.b, over_time=has_decisions)
     partners = {} if b is None else _partners(a.summary, b.summary, question.mapping)
     called = {name: {name, partners.get(name, name)} for name in a.summary.statistics}
     names = [name for name, own in called.items() if not question.topics or _selected(own, question.topics)]
-    decisions = _decisions(question, names)
+    known = [decision for decision in kept or _decided(question) if decision.topic in names]
+    decisions, decision_notices = timed_from_start(known, a.summary.span)
     statistics = a.summary.statistics
     sent = [name for name in names if name in partners and statistics[name].messages]
-    loss, notices = known_or_why(lambda: _loss(question, a, b, sent, decisions))
+    loss, notices = known_or_why(lambda: _loss(question, a, b, sent, known))
     lost = {} if loss is None else {topic.topic: topic for topic in loss.topics}
     return RecordingNumbers(
         a=str(question.a),
@@ -108,7 +112,12 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
         unmatched=frozenset(
             topic for topic in question.topics if not any(_selected(own, [topic]) for own in called.values())
         ),
-        notices=_once(a.summary.notices, b.summary.notices if b else (), loss.notices if loss else notices),
+        notices=_once(
+            a.summary.notices,
+            b.summary.notices if b else (),
+            decision_notices,
+            loss.notices if loss else notices,
+        ),
     )
 
 
@@ -117,8 +126,8 @@ def _once(*notices: Sequence[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(chain.from_iterable(notices)))
 
 
-def _measure(question: RecordingQuestion, path: Path) -> _Measured:
-    if question.rule_set is None:
+def _measure(path: Path, *, over_time: bool) -> _Measured:
+    if not over_time:
         return _Measured(path=path, summary=measure_bag(path, lambda _: None), traces={})
     run = measure_run(path, lambda _: None, with_places=False)
     return _Measured(
@@ -136,11 +145,10 @@ def _selected(names: Collection[str], patterns: Sequence[str]) -> bool:
     return any(is_selected(name, patterns) for name in names)
 
 
-def _decisions(question: RecordingQuestion, names: Collection[str]) -> Sequence[Decision]:
+def _decided(question: RecordingQuestion) -> Sequence[Decision]:
     if question.rule_set is None:
         return ()
-    decisions = decisions_over(question.a, question.rule_set, question.profile, lambda _: None)
-    return [decision for decision in decisions if decision.topic in names]
+    return decisions_over(question.a, question.rule_set, question.profile, lambda _: None)
 
 
 def _loss(

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +51,7 @@ from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import GraphPolls, RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
 from smarttestudo.robot.ros.shared_memory import is_fast_dds, room_for_large_messages, senders_remedy
+from smarttestudo.robot.ros.status_players import StatusPlayers
 
 if TYPE_CHECKING:
     from smarttestudo.robot.ros.rcl.path import RclPath
@@ -116,6 +117,7 @@ class RosNode:
         self.every(CLOCK_PERIOD_S, self._poll_clock)
         self._parameters = NodeParameters(node)
         self._remote_parameters: NodeParameterClients | None = None
+        self._status_players = StatusPlayers(time.monotonic)
 
     @property
     def name(self) -> str:
@@ -126,6 +128,15 @@ class RosNode:
     def fed_nodes(self) -> frozenset[str]:
         """None, without a link."""
         return frozenset()
+
+    @property
+    def doubted_nodes(self) -> frozenset[str]:
+        """Nodes that may be players."""
+        return self._status_players.doubted
+
+    def players(self, nodes: Collection[str]) -> frozenset[str]:
+        """Those of ``nodes`` whose statuses are of others."""
+        return self._status_players.among(nodes, self._open_data_path)
 
     @property
     def data_path(self) -> DataPath:

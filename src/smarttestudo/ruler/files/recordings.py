@@ -10,6 +10,7 @@ from msgspec import Struct
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import is_topic_name
+from smarttestudo.domain.recording import robots_own
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.files.whole_file import OutputFileError, whole_binary_file
 from smarttestudo.ruler.files.project_folder import ProjectFolder
@@ -50,7 +51,7 @@ def recording(request: BagRequest, folder: ProjectFolder) -> RecordingAnswer:
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
     with open_recording(folder.bag(request.bag)) as opened:
-        topics = sorted({one.topic for one in opened.channels if is_topic_name(one.topic)})
+        topics = sorted({one.topic for one in robots_own(opened.channels) if is_topic_name(one.topic)})
         duration_s = max(0.0, (opened.end_ns - opened.start_ns) / NS_PER_S)
     return RecordingAnswer(topics=tuple(topics), duration_s=duration_s, rules_text=defaults_text(topics))
 

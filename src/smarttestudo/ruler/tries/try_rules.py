@@ -17,7 +17,7 @@ from smarttestudo.domain.decision import Decision, Reason, bound_texts
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader, types_of_topics
+from smarttestudo.domain.recording import RecordingReader, robots_own, types_of_topics
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.editing import read_document
 from smarttestudo.language.rule_set import RuleSet, compile_rules
@@ -201,7 +201,7 @@ class _Watches:
 def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     """The rules of ``draft`` for the topics of ``recording``; ``RefusedTextError`` if they have errors."""
     profile = draft.profile()
-    bag_topics = types_of_topics(recording.channels)
+    bag_topics = types_of_topics(robots_own(recording.channels))
     document = read_document(draft.text, draft.name)
     findings = check_rules([document.result], CheckContext(profile=profile, bag_topics=bag_topics))
     checked = CheckedText(document=document, findings=tuple(findings))
