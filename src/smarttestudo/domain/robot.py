@@ -251,7 +251,7 @@ class Robot(Protocol):
         """Nodes of which it is not known yet whether they are ``players``."""
 
     def players(self, nodes: Collection[str]) -> frozenset[str]:
-        """Those of ``nodes``, all of which publish statuses, that publish the ones of a recording."""
+        """Players among ``nodes``, which publish statuses: theirs are those of a recording."""
 
     @property
     def log(self) -> RobotLog: ...

@@ -135,7 +135,7 @@ class RosNode:
         return self._status_players.doubted
 
     def players(self, nodes: Collection[str]) -> frozenset[str]:
-        """Those of ``nodes`` whose statuses are of others."""
+        """Players among ``nodes``."""
         return self._status_players.among(nodes, self._open_data_path)
 
     @property

@@ -38,14 +38,14 @@ class StatusPlayers:
         """
         now_s = self._steady_s()
         self._since_s = {
-            node: self._since_s.get(node, now_s)
-            for node in nodes
-            if node not in self._named and not node.endswith(UNKNOWN_NODE)
+            name: self._since_s.get(name, now_s)
+            for name in nodes
+            if name not in self._named and not name.endswith(UNKNOWN_NODE)
         }
         if not self._follow(path):
             self.doubted = frozenset()
             return frozenset()
-        players = frozenset(node for node, since_s in self._since_s.items() if now_s - since_s >= DOUBT_S)
+        players = frozenset(name for name, since_s in self._since_s.items() if now_s - since_s >= DOUBT_S)
         self.doubted = frozenset(self._since_s) - players
         return players
 
