@@ -126,13 +126,13 @@ def is_output_name(topic: str, pattern: str) -> bool:
     return bool(before or after) and topic.startswith(f"{before}/") and topic.endswith(after)
 
 
-OWN_TOPICS = "/testudo/"
+OWN_PREFIX = "/testudo/"
 """How the names of what SmartTestudo publishes begin, unless ``--output-topic`` says otherwise."""
 
 
 def is_own_output(topic: str, pattern: str) -> bool:
     """Whether SmartTestudo publishes ``topic``, where it names its outputs by ``pattern``."""
-    return topic.startswith(OWN_TOPICS) or is_output_name(topic, pattern)
+    return topic.startswith(OWN_PREFIX) or is_output_name(topic, pattern)
 
 
 def full_topic_names(names: Sequence[str], option: str, *, most: int, like: str) -> tuple[str, ...]:

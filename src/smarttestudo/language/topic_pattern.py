@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from functools import cache
 
-from smarttestudo.domain.names import OWN_TOPICS
+from smarttestudo.domain.names import OWN_PREFIX
 from smarttestudo.domain.robot import is_visible
 
 ONE_NAME, ANY_NAMES = "*", "**"
@@ -16,7 +16,7 @@ ONE_NAME, ANY_NAMES = "*", "**"
 
 def may_match(topic: str) -> bool:
     """Whether patterns match ``topic`` at all: not what is hidden, ROS's own or SmartTestudo's."""
-    return is_visible(topic) and not topic.startswith(OWN_TOPICS)
+    return is_visible(topic) and not topic.startswith(OWN_PREFIX)
 
 
 def matching(pattern: str, topics: Collection[str]) -> list[str]:
