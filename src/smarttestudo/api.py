@@ -38,7 +38,7 @@ from smarttestudo.replays.outcome import ReplayOutcome
 from smarttestudo.rules.findings import all_findings
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import find_rule_files, read_rule_text
-from smarttestudo.rules.rule_sets import load_rules
+from smarttestudo.rules.rule_sets import known_types, load_rules
 
 AnyPath = str | PathLike[str]
 
@@ -56,7 +56,8 @@ def check_rules(*rules: AnyPath, profile: AnyPath | None = None) -> tuple[Findin
 
     With a ``profile`` (TOML) also what breaks its budget. Raises ``TestudoError`` for what cannot be read.
     """
-    context = CheckContext(profile=_profile(profile))
+    known = _profile(profile)
+    context = CheckContext(profile=known, types=known_types(None, known))
     files = find_rule_files(_rule_paths(rules))
     return tuple(all_findings([parse(read_rule_text(file), str(file)) for file in files], context))
 

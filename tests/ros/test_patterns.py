@@ -45,7 +45,6 @@ def test_a_topic_that_appears_reaches_the_operator_within_a_second(robot: SmallR
     operator.line_with("heard")
     arrivals = operator.result()["camera/b"]
     missed_s = number_of(arrivals[0]) / HZ
-    print(f"first message after {missed_s:.2f} s")
     assert missed_s < 1.0
     source.end()
     assert not [line for line in runtime.output if "_hidden" in line or "radar" in line]

@@ -17,6 +17,7 @@ from smarttestudo.accuracy.bounds import bounds_of
 from smarttestudo.accuracy.recorded_samples import RecordedSamples, SampleTaker, TopicReading, read_samples
 from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
 from smarttestudo.bags.reader import open_recording
+from smarttestudo.bags.type_definitions import rules_for
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import JsonEntry, derived, to_columns
 from smarttestudo.domain.recording import Channel, RecordingReader, first_of_topics
@@ -190,6 +191,8 @@ class ComparisonMeasurement:
     """The reading of an opened recording, ``properties`` of which are compared, by topic."""
 
     def __init__(self, request: AccuracyRequest, recording: RecordingReader) -> None:
+        rules = [replace(one, rule_set=rules_for(one.rule_set, recording.channels)) for one in request.rules]
+        request = replace(request, rules=rules)
         self._request, self._recording = request, recording
         self._channels = first_of_topics(recording.channels)
         self._bounds = [bounds_of(one.rule_set) for one in request.rules]

@@ -9,11 +9,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
-from smarttestudo.domain.names import full_type_name
+from smarttestudo.domain.names import TOPIC_PLACEHOLDER, full_type_name
 from smarttestudo.domain.recording import Channel, types_of_topics
 from smarttestudo.domain.signal import Value
 from smarttestudo.domain.type_definition import FieldType, TypeDefinition
 from smarttestudo.language.known_types import KnownTypes
+from smarttestudo.language.rule_set import RuleSet
 
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc, Typesdict
@@ -35,6 +36,13 @@ def recorded_types(channels: Iterable[Channel] = ()) -> KnownTypes:
     """
     channels = tuple(channels)
     return KnownTypes(topics=types_of_topics(channels), definitions=_Definitions(channels))
+
+
+def rules_for(
+    rule_set: RuleSet, channels: Iterable[Channel], output_topic: str = TOPIC_PLACEHOLDER
+) -> RuleSet:
+    """``rule_set`` as it is where the topics of ``channels`` are there, but those named as outputs."""
+    return rule_set.by(recorded_types(channels).without_outputs(output_topic))
 
 
 class _Definitions(Mapping[str, TypeDefinition]):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -163,7 +164,10 @@ def _decisions(
     if arguments.decisions is not None:
         return read_decisions(arguments.decisions, print_notice)
     rule_set = rules.rule_set if rules else None
-    if rule_set is None or not any(needs_decisions(rule_set, topic) for topic in bounded_topics(rule_set)):
+    if rule_set is None:
+        return ()
+    # What patterns bound is known where A is read.
+    if not rule_set.patterns and not any(map(partial(needs_decisions, rule_set), bounded_topics(rule_set))):
         return ()
     if kept := kept_decisions(arguments.b, arguments.a):
         return kept

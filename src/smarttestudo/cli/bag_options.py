@@ -144,7 +144,7 @@ def require_bounded(topics: Collection[str], rules: LoadedRules | None) -> None:
 
     bounded = bounded_topics(rules.rule_set) if rules else frozenset()
     for topic in topics:
-        if topic not in bounded:
+        if topic not in bounded and not (rules and rules.rule_set.patterns):
             raise UsageError(
                 f"no rule bounds {topic}", place="--predict", remedy="name topics of a KeepWithin in --rules"
             )

@@ -31,10 +31,11 @@ from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import NS_PER_S, counted, ns_from_s, utc_time
 from smarttestudo.language.evaluator import ExplainedValue, RateBorder
 from smarttestudo.language.formatter import value_text
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.normal_form import ANY_ELEMENT, HELD, Resolve, is_derived, region_text
 from smarttestudo.language.parser import parse
 from smarttestudo.language.region import Region
-from smarttestudo.language.rule_set import RuleSet, compile_rules
+from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import values_in
 from smarttestudo.loop.decision_log import read_decisions
 from smarttestudo.loop.input_log import holds_inputs, read_inputs
@@ -53,7 +54,7 @@ from smarttestudo.robot.decisions import reason_words
 from smarttestudo.robot.diagnostics import topic_health
 from smarttestudo.robot.rule_push import rules_in_force
 from smarttestudo.rules.profile_file import load_profile
-from smarttestudo.rules.rule_sets import load_rules, tier_values_for
+from smarttestudo.rules.rule_sets import RuleSource, load_rules
 
 _DIGITS = 6
 _TRIES = 3
@@ -151,9 +152,10 @@ def _of_robot(arguments: argparse.Namespace, name: str, profile: Profile | None)
     for line in _state_lines(status.topics[topic], status):
         warn(f"note: {topic}: {line}")
     planned = _planned(status.topics[topic])
+    there = {name: one.type_name or "" for name, one in status.topics.items()}
     try:
         rule_set = _compiled(
-            dict(texts.files), lambda one: texts.full_names.get(one) or resolve_topic(one), profile
+            dict(texts.files), lambda one: texts.full_names.get(one) or resolve_topic(one), profile, there
         )
     except (RuleFileError, ProfileError) as error:
         warn(f"note: what would change the rate is not known: {error}")
@@ -163,10 +165,12 @@ def _of_robot(arguments: argparse.Namespace, name: str, profile: Profile | None)
     return reason_by_rules(rule_set, topic, planned, values_in(status.blocks, rule_set))
 
 
-def _compiled(texts: Mapping[str, str], resolve: Resolve, profile: Profile | None) -> RuleSet:
-    """The rules of a robot, which has checked them."""
-    files = [parse(text, name).file for name, text in texts.items()]
-    return compile_rules(files, resolve, tier_values_for(files, profile, resolve))
+def _compiled(
+    texts: Mapping[str, str], resolve: Resolve, profile: Profile | None, there: Mapping[str, str]
+) -> RuleSet:
+    """The rules of a robot, which has checked them, and relays what is ``there``."""
+    files = tuple(parse(text, name).file for name, text in texts.items())
+    return RuleSource(files=files, profile=profile, resolve=resolve)(KnownTypes(topics=there))
 
 
 def _planned(topic: TopicStatus) -> PlannedRate:

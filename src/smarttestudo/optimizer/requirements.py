@@ -13,6 +13,7 @@ from functools import cache
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.profile import AccuracyTiers, Profile
 from smarttestudo.domain.rate import SLOW_HZ, Rate, Tier
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.resolved_rules import Branch, ResolvedBound, ResolvedRate, resolve_rules
 from smarttestudo.language.syntax import (
@@ -103,13 +104,19 @@ class RuleRequirements:
 
 
 def collect_requirements(
-    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, without_default: TopicsWithoutDefault
+    files: Sequence[RuleFile],
+    profile: Profile,
+    resolve: Resolve,
+    without_default: TopicsWithoutDefault,
+    types: KnownTypes = NO_TYPES,
 ) -> RuleRequirements:
     """The requirements of ``files``, which have no errors, on the topics in ``profile``.
 
+    ``types`` has the topics that patterns match.
+
     Raises ``ProfileError`` where the profile lacks a topic of the rules or an entry that is needed.
     """
-    return _Collector(files, profile, resolve, without_default).requirements()
+    return _Collector(files, profile, resolve, without_default, types).requirements()
 
 
 _WrittenRate = float | Tier | RateWord
@@ -137,9 +144,10 @@ class _Collector:
         profile: Profile,
         resolve: Resolve,
         without_default: TopicsWithoutDefault,
+        types: KnownTypes,
     ) -> None:
         self._start = files[0].path, files[0].collections[0].span
-        self._rules = resolve_rules(files, cache(resolve))
+        self._rules = resolve_rules(files, cache(resolve), types)
         self._profile = profile
         self._without_default = without_default
         self._floors_hz = self._rules.floors_hz

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.rate import Rate, Tier
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.syntax import (
     KeepWithin,
@@ -234,9 +235,10 @@ def optimize_rules(
     *,
     model: Model,
     without_default: TopicsWithoutDefault = TopicsWithoutDefault.APPENDED,
+    types: KnownTypes = NO_TYPES,
 ) -> Optimization:
     """The value of every level in ``files``, which have no errors; ``ProfileError`` for what is missing."""
-    requirements = collect_requirements(files, profile, resolve, without_default)
+    requirements = collect_requirements(files, profile, resolve, without_default, types)
     return solve_requirements(requirements, budget_of(profile), model=model)
 
 

@@ -76,8 +76,10 @@ def reason_in_replay(
     budget_kb_per_s: float | None,
 ) -> RateReason:
     """Why ``topic`` has its rate at ``at_ns`` of a replay of ``recording``. Raises ``RecordingError``."""
-    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.bags.type_definitions import rules_for  # noqa: PLC0415  needs packages a robot lacks
+    from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  as above
 
+    rule_set = rules_for(rule_set, recording.channels)
     require_relayed(topic, rule_set.relayed)
     decisions: list[Decision] = []
     reasons: list[RateReason] = []

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
-from smarttestudo.bags.type_definitions import recorded_types
+from smarttestudo.bags.type_definitions import rules_for
 from smarttestudo.bags.writer import create_recording
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
@@ -133,8 +133,8 @@ def replay_together(requests: Sequence[ReplayRequest]) -> list[ReplayOutcome]:
 
 def _by_what_is_recorded(request: ReplayRequest) -> ReplayRequest:
     """``request`` with its rules as they are where the topics of the recording are there."""
-    found = recorded_types(request.recording.channels).without_outputs(request.output_topic)
-    return replace(request, rule_set=request.rule_set.by(found))
+    rule_set = rules_for(request.rule_set, request.recording.channels, request.output_topic)
+    return replace(request, rule_set=rule_set)
 
 
 def _pass_messages(recording: RecordingReader, runs: Sequence[_Run], decoder: RosbagDecoder) -> None:

@@ -11,6 +11,7 @@ from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.finding import Finding, Severity, Span
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.boxes import Domain
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.normal_form import Resolve
 from smarttestudo.language.rule_set import RefusedTiers, RuleBlock, RuleSet, TierValues, compile_rules
 from smarttestudo.language.syntax import Block, RuleFile
@@ -33,7 +34,7 @@ _MISSING_NAMED = 3
 
 
 def budget_findings(
-    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, domain: Domain
+    files: Sequence[RuleFile], profile: Profile, resolve: Resolve, domain: Domain, types: KnownTypes
 ) -> list[Finding]:
     """Findings on levels that do not fit, situations that break the budget, and the start-up.
 
@@ -46,13 +47,13 @@ def budget_findings(
     tiers: TierValues = RefusedTiers()
     if has_tiers(files):
         try:
-            done = optimize_tiers(files, profile, resolve)
+            done = optimize_tiers(files, profile, resolve, types)
         except ProfileError as error:
             return [reporter.incomplete(error)]
         if not done.feasible:
             return [infeasible_subproblem.finding() for infeasible_subproblem in infeasible_subproblems(done)]
         tiers = done
-    rule_set = compile_rules(files, resolve, tiers).over_states()
+    rule_set = compile_rules(files, resolve, tiers, types).over_states()
     loads = loads_of(rule_set, profile)
     missing = missing_entries(rule_set, loads)
     if missing:

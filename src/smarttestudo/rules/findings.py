@@ -19,5 +19,5 @@ def all_findings(results: Sequence[ParseResult], context: CheckContext) -> list[
         from smarttestudo.rules.budget_findings import budget_findings  # noqa: PLC0415  needs the optimizer
 
         files = [result.file for result in results]
-        findings += budget_findings(files, context.profile, context.resolve, context.domain)
+        findings += budget_findings(files, context.profile, context.resolve, context.domain, context.types)
     return findings

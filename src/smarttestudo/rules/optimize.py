@@ -31,6 +31,7 @@ from smarttestudo.optimizer.rule_rates import Optimization, SolvedSubproblem, en
 from smarttestudo.optimizer.wording import kb_text
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import read_rule_text, sha256_of
+from smarttestudo.rules.rule_sets import known_types
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,7 +85,7 @@ def optimize(request: OptimizeCommand) -> OptimizeOutcome:
     if request.budget_kb_per_s is not None:
         profile = replace(profile, budget_kb_per_s=request.budget_kb_per_s)
     result = parse(text, str(request.rules))
-    findings = check_rules([result], CheckContext(profile=profile))
+    findings = check_rules([result], CheckContext(profile=profile, types=known_types(None, profile)))
     errors = [finding for finding in findings if finding.severity is Severity.ERROR]
     if errors:
         raise RefusedRulesError(errors)
@@ -118,6 +119,7 @@ def optimize_text(
         resolve_topic,
         model=model,
         without_default=TopicsWithoutDefault.LEFT_OUT if only_named else TopicsWithoutDefault.APPENDED,
+        types=known_types(None, profile),
     )
     rewritten = None
     if done.feasible:

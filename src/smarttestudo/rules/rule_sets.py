@@ -34,7 +34,9 @@ def has_tiers(files: Sequence[RuleFile]) -> bool:
     return any(True for file in files for statement in file.enabled_statements for _ in tiers_in(statement))
 
 
-def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve) -> TierValues:
+def tier_values_for(
+    files: Sequence[RuleFile], profile: Profile | None, resolve: Resolve, types: KnownTypes
+) -> TierValues:
     """The rates and bounds of the levels in ``files``, for ``compile_rules``; all refused without a profile.
 
     Raises ``RuleFileError`` for what does not fit, ``ProfileError`` for what the profile lacks.
@@ -43,7 +45,7 @@ def tier_values_for(files: Sequence[RuleFile], profile: Profile | None, resolve:
         return RefusedTiers()
     from smarttestudo.rules.tier_rates import fitting_tiers  # noqa: PLC0415  most rules name rates, not levels
 
-    return fitting_tiers(files, profile, resolve)
+    return fitting_tiers(files, profile, resolve, types)
 
 
 class FaultyRulesError(RuleFileError):
@@ -177,6 +179,6 @@ class RuleSource:
 
     def compiled(self, types: KnownTypes) -> RuleSet:
         """The rules by these types. Raises as ``check_texts``."""
-        tiers = tier_values_for(self.files, self.profile, self.resolve)
+        tiers = tier_values_for(self.files, self.profile, self.resolve, types)
         rule_set = compile_rules(self.files, self.resolve, tiers, types)
         return replace(rule_set, anew=self) if rule_set.is_open else rule_set

@@ -22,6 +22,7 @@ from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.statement_trees import StatementWriter
 from smarttestudo.ruler.rules.statements import Statement
 from smarttestudo.rules.profile_file import parse_profile
+from smarttestudo.rules.rule_sets import known_types
 
 _TEXTS_KEPT = 4
 WAY_TO_PROFILE = "choose or create a profile: its topic parameters say what each quality level is in Hz"
@@ -76,7 +77,8 @@ class RefusedTextError(RuleFileError):
 def check_text(draft: Draft) -> CheckedText:
     """Read and check ``draft``; ``ProfileError`` for a profile that cannot be read."""
     document = read_document(draft.text, draft.name)
-    context = CheckContext(profile=draft.profile(), way_to_profile=WAY_TO_PROFILE)
+    profile = draft.profile()
+    context = CheckContext(profile=profile, types=known_types(None, profile), way_to_profile=WAY_TO_PROFILE)
     return CheckedText(document=document, findings=tuple(check_rules([document.result], context)))
 
 

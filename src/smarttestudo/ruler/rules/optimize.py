@@ -39,6 +39,7 @@ from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.document import CheckedText, Draft, Substitute, require_usable
 from smarttestudo.ruler.rules.statement_trees import Utf16
 from smarttestudo.rules.optimize import OptimizeOutcome, UsableText, optimize_text
+from smarttestudo.rules.rule_sets import known_types
 
 _TOPICS_NAMED = 3
 
@@ -254,7 +255,8 @@ def _worst(optimized: OptimizedDraft) -> Iterator[SituationLoad]:
     """Nothing where the profile does not know every load, or the conditions are too complex."""
     done = optimized.outcome.optimization
     file = optimized.checked.document.result.file
-    rule_set = _with_appended(compile_rules([file], resolve_topic, done), done).over_states()
+    types = known_types(None, optimized.profile)
+    rule_set = _with_appended(compile_rules([file], resolve_topic, done, types), done).over_states()
     loads = loads_of(rule_set, optimized.profile)
     if missing_entries(rule_set, loads):
         return

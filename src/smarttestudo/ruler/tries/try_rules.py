@@ -12,15 +12,15 @@ from smarttestudo.accuracy.reconstruction import TimeBins
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import TraceAccumulator
+from smarttestudo.bags.type_definitions import recorded_types
 from smarttestudo.checks import CheckContext, check_rules
 from smarttestudo.domain.decision import Decision, Reason, bound_texts
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
-from smarttestudo.domain.recording import RecordingReader, robots_own, types_of_topics
+from smarttestudo.domain.recording import RecordingReader, robots_own
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.editing import read_document
-from smarttestudo.language.rule_set import RuleSet, compile_rules
+from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.replays.incidents import IncidentRequest
 from smarttestudo.replays.outcome import ReplayOutcome, TopicOutcome
 from smarttestudo.replays.replay import ReplayRequest, replay
@@ -44,7 +44,7 @@ from smarttestudo.ruler.tries.watches import (
     TruthWatch,
     TryIncident,
 )
-from smarttestudo.rules.rule_sets import sha256_of_rules, tier_values_for
+from smarttestudo.rules.rule_sets import RuleSource, known_types, sha256_of_rules
 
 MAX_BINS = 300
 # A name outside the project, and rules with errors.
@@ -201,14 +201,16 @@ class _Watches:
 def compiled_for(draft: Draft, recording: RecordingReader) -> RuleSet:
     """The rules of ``draft`` for the topics of ``recording``; ``RefusedTextError`` if they have errors."""
     profile = draft.profile()
-    bag_topics = types_of_topics(robots_own(recording.channels))
+    found = recorded_types(robots_own(recording.channels))
+    types = known_types(found, profile)
     document = read_document(draft.text, draft.name)
-    findings = check_rules([document.result], CheckContext(profile=profile, bag_topics=bag_topics))
+    findings = check_rules(
+        [document.result], CheckContext(profile=profile, bag_topics=found.topics, types=types)
+    )
     checked = CheckedText(document=document, findings=tuple(findings))
     if checked.has_errors:
         raise RefusedTextError(checked)
-    files = [document.result.file]
-    return compile_rules(files, resolve_topic, tier_values_for(files, profile, resolve_topic))
+    return RuleSource(files=(document.result.file,), profile=profile).compiled(types)
 
 
 def _answer(
