@@ -31,12 +31,13 @@ def number_of(arrival: list[Any]) -> int:
     return int(arrival[1].split()[0])
 
 
-@pytest.mark.contract
+@pytest.mark.calm
 @on_every_data_path
 def test_a_topic_that_appears_reaches_the_operator_within_a_second(robot: SmallRobot, data_path: str) -> None:
     runtime = robot.runtime(FULL, "--data-path", data_path)
     runtime.line_with("Relaying 0 topics")
-    operator = robot.operator(**{"camera/b": {**TEXT, "messages": 20}})
+    listened: dict[str, Any] = {"camera/b": {**TEXT, "messages": 20}}
+    operator = robot.operator(**listened)
     # The operator's node is known to the run by now.
     robot.source(**{"camera/a": TEXT})
     runtime.line_with("/camera/a: Full (reload)")
