@@ -27,6 +27,7 @@ WITH_NOTHING: Mapping[str, str] = {
     "replay_speed": "--seconds 3 --turns 2",
     "start_up": "--turns 1",
     "throttle_accuracy": "",
+    "text_rules": "--side 12 --turns 1",
     "timed_rules": "--side 12 --turns 1",
     "trajectories": "",
 }

@@ -250,14 +250,15 @@ class Knowledge:
         regions: dict[Signal, list[SetOfValues]] = {}
         for within in reads(self.rule_set.blocks[block].form):
             regions.setdefault(within.signal, []).append(within.region)
+        signals = self.evaluator.reads(block)
         values = {
             signal: value
-            for topic in {signal.topic for signal in regions}
+            for topic in {signal.topic for signal in signals}
             for signal, value in self.watched[topic].readings(now_ns)
         }
         return {
-            str(signal): shown_value(values[signal], partial(_is_in_any, regions[signal]))
-            for signal in sorted(regions)
+            str(signal): shown_value(values[signal], partial(_is_in_any, regions.get(signal, ())))
+            for signal in signals
         }
 
     @property
