@@ -21,6 +21,7 @@ from smarttestudo.domain.metric import MetricName
 from smarttestudo.domain.parameter import Access, ParameterValue
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
+    SOURCE_MEANINGS,
     PropertySpec,
     known_types,
     properties_for_bounds,
@@ -143,6 +144,10 @@ def properties_page() -> Iterator[str]:
     yield from ("", *property_table(ARRIVAL_PROPERTIES.values()), "")
     for type_name in known_types():
         yield from (f"## {type_name}", "", *property_table(properties_of(type_name).values()), "")
+    for source, meaning in SOURCE_MEANINGS.items():
+        said = f"{meaning[:1].upper()}{meaning[1:]}, [read once a second](../how-to/machine-and-link.md)."
+        yield from (f"## {source}", "", said, "")
+        yield from (*property_table(properties_of(source).values()), "")
     yield from ("## For KeepWithin", "")
     yield from ("A `KeepWithin` can name these, and whatever checks can read of a message.", "")
     for type_name, specs in properties_for_bounds().items():

@@ -18,7 +18,13 @@ from language.evaluator.naive_rules import (
     naive_shown,
     naive_signals,
 )
-from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.domain.observation import (
+    Arrival,
+    Observation,
+    SourceChanged,
+    Undecodable,
+    VitalsMeasured,
+)
 from smarttestudo.domain.signal import Signal, SignalKind, Value, Values
 from smarttestudo.language.syntax import RuleFile
 
@@ -123,6 +129,8 @@ class NaiveLoop:
     def value(self, signal: Signal, now: int) -> Values | None:
         if signal.kind is SignalKind.UNRESOLVED:
             return None
+        if signal.topic.startswith("@"):
+            return self.vital(signal, now)
         arrivals = [
             (at, one) for at, one in self.events if isinstance(one, Arrival) and one.topic == signal.topic
         ]
@@ -164,6 +172,16 @@ class NaiveLoop:
                 elif (found := naive_field(signal, one.message)) != ABSENT:
                     known = found
         return None if not having or self.is_stale(signal, having, now) else known
+
+    def vital(self, signal: Signal, now: int) -> float | None:
+        measured = [
+            (at, one)
+            for at, one in self.events
+            if isinstance(one, VitalsMeasured) and one.source == signal.topic
+        ]
+        if not measured or now - measured[-1][0] >= 5 * SECOND or signal.kind is SignalKind.TEXT:
+            return None
+        return measured[-1][1].values.get(signal.property)
 
     def is_gone(self, topic: str) -> bool:
         """No publisher, or none was heard since the last time there was none."""

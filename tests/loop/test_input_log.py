@@ -17,6 +17,7 @@ from smarttestudo.domain.observation import (
     ReceiversReckon,
     SourceChanged,
     Undecodable,
+    VitalsMeasured,
 )
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.loop.input_log import INPUTS_FILE, input_log, read_inputs
@@ -54,6 +55,9 @@ inputs = st.one_of(
             listeners,
             st.builds(ReceiversReckon, topics=st.frozensets(texts, max_size=3)),
             st.builds(LinkBudget, link_kb_per_s=budgets),
+            st.builds(
+                VitalsMeasured, source=texts, values=st.dictionaries(texts, st.none() | budgets, max_size=3)
+            ),
         ),
     ),
     st.builds(

@@ -17,7 +17,13 @@ from language.evaluator.naive_rules import TYPES, NaiveRequest
 from language.evaluator.random_rules import rule_files
 from loop.naive_loop import SECOND, NaiveDecision, NaiveLoop
 from smarttestudo.domain.decision import Decision, PlannedRate
-from smarttestudo.domain.observation import Arrival, Observation, SourceChanged, Undecodable
+from smarttestudo.domain.observation import (
+    Arrival,
+    Observation,
+    SourceChanged,
+    Undecodable,
+    VitalsMeasured,
+)
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
@@ -27,7 +33,11 @@ from smarttestudo.loop import Knowledge, step
 
 START = 1_795_230_365_474_043_001
 SOURCES = ("/p", "/q")
-SIGNALS = tuple(Signal(topic, name) for topic in SOURCES for name in ("x", "y", "rate", "bandwidth", "age"))
+VITALS = ("@machine", "@link")
+SIGNALS = (
+    *(Signal(topic, name) for topic in SOURCES for name in ("x", "y", "rate", "bandwidth", "age")),
+    *(Signal(source, name) for source in VITALS for name in ("cpu", "age")),
+)
 BORDERS = (-1.0, 0.0, 0.3, 0.5, 1.0, 1.5, 2.0, 2.7)
 
 WORDS = (
@@ -38,7 +48,12 @@ WORDS = (
     *(Constant(type_name="", name=name) for name in ("ONE", "DOCK", "LOST")),
 )
 WORD_SIGNALS = tuple(
-    Signal(topic, name) for topic in SOURCES for name in ("x", "xs[*].x", 'xs["b"].x', "rate", "age")
+    Signal(topic, name)
+    for topic, names in (
+        *((topic, ("x", "xs[*].x", 'xs["b"].x', "rate", "age")) for topic in SOURCES),
+        ("@link", ("age",)),
+    )
+    for name in names
 )
 
 numbers = st.sampled_from([math.nan, -1.0, 0.0, 0.4, 1.0, 1.75, 3.0])
@@ -67,12 +82,30 @@ def observations_of(messages: st.SearchStrategy[object]) -> st.SearchStrategy[Ob
             publishers=st.sampled_from([0, 1, 2]),
             transient_local=st.booleans(),
         ),
+        st.builds(
+            VitalsMeasured,
+            source=st.sampled_from(VITALS),
+            values=st.dictionaries(
+                st.sampled_from(["cpu", "age"]), st.sampled_from([None, -1.0, 0.0, 0.4, 1.0, 1.75, 3.0])
+            ),
+        ),
     )
 
 
 gaps_ns = st.one_of(
     st.sampled_from(
-        [0, 1, 40_000_000, 499_999_999, 500_000_000, 2 * SECOND, 2 * SECOND + 1, 11 * SECOND, -SECOND]
+        [
+            0,
+            1,
+            40_000_000,
+            499_999_999,
+            500_000_000,
+            2 * SECOND,
+            2 * SECOND + 1,
+            5 * SECOND,
+            11 * SECOND,
+            -SECOND,
+        ]
     ),
     st.integers(0, SECOND),
 )
@@ -206,4 +239,4 @@ def step_both(files: list[RuleFile], profile: Profile, scenario: list[Moment]) -
         if moment.wakes and gap_ns > 0:
             gap_ns = both.wait(gap_ns, moment.probe)
         both.step(moment.seen, gap_ns)
-    both.wait(4 * SECOND, 0.5)
+    both.wait(6 * SECOND, 0.5)

@@ -93,7 +93,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     function () {
       this.appendDummyInput()
         .appendField("", "JOIN")
-        .appendField(topicField(suggest, "topic to check"), "TOPIC")
+        .appendField(topicField(suggest, "topic to check", suggest.vitalsChoices), "TOPIC")
         .appendField(
           propertyField("pose_x", (topic) => suggest.properties(topic)),
           "PROPERTY",

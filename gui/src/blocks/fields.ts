@@ -13,6 +13,8 @@ export interface Suggestions {
   topics(): readonly string[];
   /** Topics with their types, rates and users. */
   topicChoices(): readonly PickerChoice[];
+  /** What checks can name in the place of a topic: the machine and the link. */
+  vitalsChoices(): readonly PickerChoice[];
   /** What checks can read of a topic. */
   properties(topic: string): readonly PickerChoice[];
   /** What a bound can be about, what only bounds can name first. */
@@ -60,10 +62,15 @@ export function button(src: string, label: string, act: Act): Blockly.FieldImage
   return new Blockly.FieldImage(src, 22, 22, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg, field));
 }
 
-export function topicField(suggest: Suggestions, label: string): SuggestionField {
+/** A name of a topic, and of `others` that can stand in its place. */
+export function topicField(
+  suggest: Suggestions,
+  label: string,
+  others: () => readonly PickerChoice[] = () => [],
+): SuggestionField {
   const offer = {
     hint: "Any other name is kept as typed",
-    choices: () => suggest.topicChoices(),
+    choices: () => [...suggest.topicChoices(), ...others()],
     // A text with a slash is a name; without it, a search.
     isWhole: (text: string) => text.startsWith("/"),
     refusal: (text: string) => (oneWord(text) === null ? "A topic's name is one word, such as /odom" : ""),

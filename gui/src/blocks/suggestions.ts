@@ -26,10 +26,11 @@ interface KnownNow {
 export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   const { vocabulary } = now.words;
   const known = (words: Vocabulary | null, topic: string) => words?.topics.find((each) => each.topic === topic);
-  const properties = (words: Vocabulary | null, topic: string) => [
-    ...(known(words, topic)?.properties ?? []),
-    ...(words?.every_topic ?? []),
-  ];
+  const properties = (words: Vocabulary | null, topic: string) =>
+    words?.vitals.find(({ name }) => name === topic)?.properties ?? [
+      ...(known(words, topic)?.properties ?? []),
+      ...(words?.every_topic ?? []),
+    ];
   const bounds = (words: Vocabulary | null, topic: string) => [
     ...(known(words, topic)?.bounds ?? []),
     ...(known(words, topic)?.properties ?? []),
@@ -38,6 +39,7 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   return {
     topics: () => vocabulary.peek()?.topics.map(({ topic }) => topic) ?? [],
     topicChoices: () => now.words.offered()?.topics.map((topic) => topicChoice(now, topic)) ?? [],
+    vitalsChoices: () => vocabulary.peek()?.vitals.map(({ name, meaning }) => ({ word: name, note: meaning })) ?? [],
     properties: (topic) => properties(vocabulary.value, topic).map(choice(topic)),
     bounds: (topic) => bounds(vocabulary.value, topic).map(choice(topic)),
     rates: (topic) => [

@@ -287,12 +287,12 @@ const MARKS: Readonly<Record<Colour, Decoration>> = {
 
 /** Topics after a blank and `/`, properties after a topic of a check or bound, else keywords and levels. */
 export function suggest(context: CompletionContext, vocabulary: Vocabulary | null): CompletionResult | null {
-  const word = context.matchBefore(/[\w/.]*/);
+  const word = context.matchBefore(/[\w/.@]*/);
   if (!word || (word.text === "" && !context.explicit) || /^\d/.test(word.text)) return null;
   const line = context.state.doc.lineAt(context.pos);
   const before = line.text.slice(0, word.from - line.from);
   if (isInComment(before + word.text)) return null;
-  return { from: word.from, options: options(before, word.text, vocabulary), validFor: /^[\w/.]*$/ };
+  return { from: word.from, options: options(before, word.text, vocabulary), validFor: /^[\w/.@]*$/ };
 }
 
 /** Whether a comment begins in `text`, which is the beginning of a line. */
@@ -303,19 +303,26 @@ function isInComment(text: string): boolean {
 function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {
   const [, keyword, named] = /(CheckValue|KeepWithin)\s*(\S+)\s+$/.exec(before) ?? [];
   const topics = vocabulary?.topics ?? [];
+  const vitals = vocabulary?.vitals ?? [];
   if (named !== undefined) {
+    const own = vitals.find(({ name }) => name === named);
     const { properties = [], bounds = [] } = topics.find(({ topic }) => topic === named) ?? {};
     const more = vocabulary?.every_topic ?? [];
-    return (keyword === "CheckValue" ? [...properties, ...more] : [...bounds, ...properties]).map(
+    const checked = own?.properties ?? [...properties, ...more];
+    return (keyword === "CheckValue" ? checked : [...bounds, ...properties]).map(
       ({ name, unit, meaning }) => ({ label: name, detail: unit, info: meaning, type: "property" }),
     );
   }
+  const isChecked = /CheckValue\s*$/.test(before);
+  const others = isChecked ? vitals.map(({ name, meaning }) => ({ label: name, detail: meaning, type: "variable" })) : [];
+  if (word.startsWith("@")) return others;
   if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|KeepWithin|CheckValue|Record\s+"[^"]*")\s*$/.test(before)) {
-    return topics.map(({ topic, type, source }) => ({
+    const named = topics.map(({ topic, type, source }) => ({
       label: topic,
       detail: [type, source === "robot" ? ON_ROBOT : null].filter(Boolean).join(", "),
       type: "variable",
     }));
+    return [...named, ...others];
   }
   return [...KEYWORDS, ...LOGIC, ...RATES].map((label) => ({ label, type: "keyword" }));
 }

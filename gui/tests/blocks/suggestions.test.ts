@@ -9,6 +9,8 @@ import type { Trial } from "../../src/state/trial";
 const SPEED = { name: "speed", unit: "m/s", meaning: "of the robot", levels: null };
 const POSITION = { name: "position", unit: "m", meaning: "where it is", levels: null };
 const AGE = { name: "age", unit: "s", meaning: "since the last message", levels: null };
+const USED = { name: "used", unit: "%", meaning: "share of the capacity in use", levels: null };
+const LINK = { name: "@link", meaning: "the link to the operators", properties: [USED] };
 const ODOM: KnownTopic = {
   topic: "/odom",
   type: "nav_msgs/msg/Odometry",
@@ -26,7 +28,7 @@ function wordsOf(vocabulary: Signal<Vocabulary | null>) {
 }
 
 function known(topic: Partial<KnownTopic> = {}) {
-  const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE] });
+  const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE], vitals: [LINK] });
   const live = signal<Live | null>(null);
   const tried = signal<Trial | null>(null);
   return {
@@ -55,7 +57,7 @@ test("what is suggested grows when a robot's topics come later", () => {
       words(suggestions.bounds("/odom")),
     ]);
   });
-  vocabulary.value = { topics: [{ ...ODOM, is_published: true }], every_topic: [AGE] };
+  vocabulary.value = { topics: [{ ...ODOM, is_published: true }], every_topic: [AGE], vitals: [LINK] };
   stop();
   expect(shown).toEqual([
     [[], [], []],
@@ -75,6 +77,14 @@ test("a topic says its type, who uses it, and how often it comes by who knows be
   expect(aside()).toBe("the robot has none");
   live.value = robot({ "/odom": { source_hz: 9.87 } });
   expect(aside()).toBe("9.87 Hz on the robot");
+});
+
+test("the link stands beside the topics of a check, with properties of its own only", () => {
+  const { suggestions } = known();
+  expect(suggestions.vitalsChoices()).toEqual([{ word: "@link", note: "the link to the operators" }]);
+  expect(suggestions.topics()).toEqual(["/odom"]);
+  expect(suggestions.properties("@link").map(({ word }) => word)).toEqual(["used"]);
+  expect(suggestions.unit("@link", "used")).toBe("%");
 });
 
 test("a property says its value on the robot, else what it was in the recording, in its unit", () => {

@@ -22,12 +22,16 @@ const VOCABULARY: Vocabulary = {
     },
   ],
   every_topic: [property("age")],
+  vitals: [{ name: "@link", meaning: "the link to the operators", properties: [property("used"), property("age")] }],
 };
 
 test.each([
   ["CheckValue /odom ", ["pose_x", "age"]],
   ["KeepWithin /odom ", ["position", "pose_x"]],
   ["KeepWithin ", ["/odom"]],
+  ["CheckValue ", ["/odom", "@link"]],
+  ["CheckValue @", ["@link"]],
+  ["CheckValue @link ", ["used", "age"]],
   ['Record "near miss" ', ["/odom"]],
 ])("behind %j is suggested %j", (text, labels) => {
   const state = EditorState.create({ doc: text });

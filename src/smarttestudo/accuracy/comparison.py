@@ -377,7 +377,7 @@ def _images_without_effect(
 ) -> frozenset[str]:
     """The topics of images that no check reads, no bound is for, and no other topic is paced with."""
     needed = {
-        *(signal.topic for signal in rule_set.signals),
+        *rule_set.topics_read,
         *(entry.paced_with for entry in profile.topics.values()),
         *bounds_of(rule_set),
     }

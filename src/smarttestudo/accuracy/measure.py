@@ -21,6 +21,7 @@ from smarttestudo.accuracy.loss_report import (
 )
 from smarttestudo.accuracy.reconstruction import field_error
 from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.formatter import value_text
@@ -202,7 +203,7 @@ def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
     for block in rule_set.blocks:
         for within in reads(block.form):
             signal, region = within.signal, within.region
-            if signal.kind is SignalKind.UNRESOLVED or ArrivalProperty.named(signal.property) is not None:
+            if signal.kind is SignalKind.UNRESOLVED or not _is_recorded(signal):
                 continue
             if region.comparison is not None:
                 sides = frozenset({region, region.complement()})
@@ -212,6 +213,11 @@ def thresholds_of(rule_set: RuleSet) -> tuple[Threshold, ...]:
 
 def _order_of(region: SetOfValues) -> tuple[object, object]:
     return (region.cuts, "") if isinstance(region, Region) else ((), str(region.comparison))
+
+
+def _is_recorded(signal: Signal) -> bool:
+    """Whether a recording has values of ``signal``, message by message."""
+    return not is_source(signal.topic) and ArrivalProperty.named(signal.property) is None
 
 
 def crossing_loss(

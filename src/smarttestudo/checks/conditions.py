@@ -13,6 +13,7 @@ from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.property_doubt import Doubt, doubt_about, found_in, is_text
 from smarttestudo.checks.rule_model import RuleModel, check_truth
 from smarttestudo.domain.finding import Fix, Severity, Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import ArrivalProperty, SignalKind, Truth
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
@@ -58,7 +59,7 @@ def never_a_number(rules: RuleModel) -> Iterator[Found]:
     """
     for check in rules.checks:
         signal, observed = check.signal, rules.context.observed.get(check.signal)
-        if ArrivalProperty.named(signal.property) or doubt_about(signal, rules.context):
+        if ArrivalProperty.of(signal) or doubt_about(signal, rules.context):
             continue
         close = None
         if signal.kind is SignalKind.UNRESOLVED or (observed is not None and observed.texts):
@@ -150,11 +151,15 @@ def _range_text(spec: PropertySpec) -> str:
         return f"{spec.name} lies between {low} and {high} {spec.unit}"
     if spec.minimum is not None:
         return f"{spec.name} is never below {number_text(spec.minimum)} {spec.unit}"
+    if spec.maximum is not None:
+        return f"{spec.name} is never above {number_text(spec.maximum)} {spec.unit}"
     return f"{spec.name} is in {spec.unit}"
 
 
 def _remedy_beside_range(check: ResolvedCheck, rules: RuleModel) -> str:
     name = check.signal.property
+    if is_source(check.signal.topic):
+        return "correct the number"
     if ArrivalProperty.named(name):
         return f"a field of the message that is called {name} is written msg.{name}"
     if rules.context.known_type(check.signal.topic) is None:
@@ -270,7 +275,7 @@ def _is_continuous(check: ResolvedCheck, rules: RuleModel) -> bool:
     value = check.syntax.value
     if not isinstance(value, float):
         return False
-    if value == 0 and ArrivalProperty.named(check.signal.property) in _ZERO_WHEN_SILENT:
+    if value == 0 and ArrivalProperty.of(check.signal) in _ZERO_WHEN_SILENT:
         return False
     return rules.context.is_measured(check.signal) or not value.is_integer()
 
@@ -326,7 +331,7 @@ def _fastest_source(timed: Timed, rules: RuleModel) -> tuple[str, float] | None:
     for check in checks_in(timed):
         signal = signal_of(check, rules.context.resolve)
         source_hz = rules.context.topic(signal.topic).source_hz
-        if not source_hz or ArrivalProperty.named(signal.property) is not None:
+        if not source_hz or ArrivalProperty.of(signal) is not None:
             return None
         if found is None or source_hz > found[1]:
             found = signal.topic, source_hz

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.names import is_source, resolve_topic
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
 from smarttestudo.language.known_types import NO_TYPES, KnownTypes
@@ -66,7 +66,9 @@ class CheckContext:
         return TopicProfile() if self.profile is None else self.profile.topic(topic)
 
     def known_type(self, topic: str) -> str | None:
-        """The ROS type of ``topic``: the profile's word, else the recording's."""
+        """The ROS type of ``topic``: the profile's word, else the recording's; vitals are their own."""
+        if is_source(topic):
+            return topic
         return self.topic(topic).type_name or (self.bag_topics or {}).get(topic)
 
     def type_of(self, topic: str) -> str | None:
@@ -85,7 +87,9 @@ class CheckContext:
 
     def is_measured(self, signal: Signal) -> bool:
         """Whether ``signal`` is known to be a measurement, which varies continuously and has noise."""
-        return self.spec_of(signal) is not None and self.type_of(signal.topic) not in COMMAND_TYPES
+        spec = self.spec_of(signal)
+        # What has no unit is a state, and no measurement.
+        return spec is not None and bool(spec.unit) and self.type_of(signal.topic) not in COMMAND_TYPES
 
     def is_noisy(self, signal: Signal) -> bool:
         """Whether ``signal`` can go back and forth across a border while the robot hardly moves."""

@@ -13,6 +13,7 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.lint_rule import Found
 from smarttestudo.domain.finding import Fix, Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser.cursor import closest, did_you_mean
 from smarttestudo.language.properties import (
@@ -115,6 +116,9 @@ Named = Callable[[str], Mapping[str, PropertySpec]]
 def doubt_about(signal: Signal, context: CheckContext, named: Named = properties_of) -> Doubt | None:
     """Why messages of the topic may not have that property, where they may not."""
     topic, name = signal.topic, signal.property
+    if is_source(topic):
+        # Behind a blank is a constant that nobody knows.
+        return _not_in_vitals(topic, name.partition(" ")[0])
     if not is_field_path(name):
         return Doubt(
             message=f"no message has a property or field {name}",
@@ -142,6 +146,18 @@ def doubt_about(signal: Signal, context: CheckContext, named: Named = properties
     return Doubt(
         message=f"no common type has a property or field {name}, and the type of {topic} is not known",
         hint=f"{did_you_mean(close)} {remedy}" if close else remedy,
+        close=close,
+    )
+
+
+def _not_in_vitals(source: str, name: str) -> Doubt | None:
+    names = tuple(properties_of(source))
+    if name in names:
+        return None
+    close = closest(name, names)
+    return Doubt(
+        message=f"{source} has no property {name}",
+        hint=did_you_mean(close) if close else f"it has {wording.listed(names)}",
         close=close,
     )
 

@@ -12,6 +12,7 @@ from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.finding import Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.normal_form import Resolve, merged, negation, over_states
 from smarttestudo.language.resolved_rules import (
@@ -161,7 +162,8 @@ def _names_in(statement: Statement) -> Iterator[TopicName]:
     if not isinstance(statement, Block):
         yield statement.topic
         return
-    yield from (check.topic for check in checks_in(statement.condition))
+    named = (check.topic for check in checks_in(statement.condition))
+    yield from (topic for topic in named if not is_source(topic.text))
     for side in (statement.then, statement.otherwise):
         by_kind: tuple[Action, ...] = (*sets_in(side), *bounds_in(side), *records_in(side))
         for action in side if statement.is_disabled else by_kind:

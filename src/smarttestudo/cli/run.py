@@ -47,11 +47,12 @@ from smarttestudo.robot.run_options import (
     RUN_OPTIONS,
     RunParameters,
 )
+from smarttestudo.robot.vitals import vitals_part
 from smarttestudo.rules.rule_files import rule_files_named
 from smarttestudo.rules.rule_sets import FaultyRulesError
 
 EXIT_ERROR = 1
-PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART)
+PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART, vitals_part(INCIDENTS))
 """What stands beside the loop of every run."""
 
 

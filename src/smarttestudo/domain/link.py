@@ -74,7 +74,8 @@ class LinkState:
     ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
     whether its connection was cut or it was started anew. ``sessions`` counts how often an operator's end
     joined that may lack what was sent before. All operator's ends that are there reckon the topics in
-    ``predicted`` where they are told how; ``operators`` are their numbers.
+    ``predicted`` where they are told how; ``operators`` are their numbers. ``sent_bytes`` were put on the
+    link since the start; for ``silent_s`` nothing of them is known to have arrived at an operator's end.
     """
 
     is_connected: Annotated[
@@ -102,6 +103,8 @@ class LinkState:
     sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
     predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
     operators: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()
+    sent_bytes: Annotated[int, JsonEntry(is_absent=True)] = 0
+    silent_s: Annotated[float, JsonEntry(is_absent=True)] = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

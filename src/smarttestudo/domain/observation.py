@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -81,5 +82,13 @@ class ClockJumped:
     ahead_ns: int
 
 
-Change = SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon | ClockJumped
-Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VitalsMeasured:
+    """Values by property of the machine or the link, whichever ``source`` names; ``None`` is unknown."""
+
+    source: str
+    values: Mapping[str, float | None]
+
+
+Change = SourceChanged | ListenersChanged | LinkBudget | ReceiversReckon | ClockJumped | VitalsMeasured
+Observation = Arrival | SourceChanged | ListenersChanged | LinkBudget | VitalsMeasured

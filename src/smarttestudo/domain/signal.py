@@ -8,6 +8,8 @@ from collections.abc import Callable
 from enum import Enum, IntEnum
 from typing import NamedTuple
 
+from smarttestudo.domain.names import is_source
+
 
 class SignalKind(IntEnum):
     """How a property is read, by what it is compared with."""
@@ -74,6 +76,11 @@ class ArrivalProperty(Enum):
     def named(name: str) -> ArrivalProperty | None:
         """The arrival property called ``name``, if it is one."""
         return next((member for member in ArrivalProperty if member.value == name), None)
+
+    @staticmethod
+    def of(signal: Signal) -> ArrivalProperty | None:
+        """The arrival property that ``signal`` is; none of the machine or the link is one."""
+        return None if is_source(signal.topic) else ArrivalProperty.named(signal.property)
 
 
 class Truth(Enum):

@@ -174,9 +174,7 @@ class IncidentRecorder:
                 ring.since = (kept_ns, self.time.on_clock(kept_ns))
             ring.horizon_ns = horizon_ns
         self._ring_bytes = sum(ring.held_bytes for ring in self._rings.values())
-        self._named = frozenset(
-            (*rule_set.relayed, *(signal.topic for signal in rule_set.signals), *rule_set.recorded)
-        )
+        self._named = frozenset((*rule_set.relayed, *rule_set.topics_read, *rule_set.recorded))
         for topic in [topic for topic in self._latched if not self._may_be_latched(topic)]:
             # Nobody may be subscribed to it any more.
             del self._latched[topic]

@@ -13,6 +13,7 @@ from typing import Protocol
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.rate import Rate, Tier
 from smarttestudo.domain.signal import Signal, Values
 from smarttestudo.domain.timing import Yield, yielding
@@ -208,6 +209,11 @@ class RuleSet:
         return any(block.recordings for block in self.blocks)
 
     @property
+    def topics_read(self) -> frozenset[str]:
+        """The topics that checks read, which neither the machine nor the link is one of."""
+        return frozenset(signal.topic for signal in self.signals if not is_source(signal.topic))
+
+    @property
     def recorded(self) -> frozenset[str]:
         """The topics that recordings keep."""
         return frozenset(
@@ -314,7 +320,7 @@ class _Compiler:
         )
         if not rules.has_recordings:
             return rules
-        names = (*rules.relayed, *sorted(signal.topic for signal in rules.signals), *sorted(rules.recorded))
+        names = (*rules.relayed, *sorted(rules.topics_read), *sorted(rules.recorded))
         named = tuple(dict.fromkeys(names))
         blocks = zip(rules.blocks, resolved.branches, strict=True)
         return replace(

@@ -36,7 +36,7 @@ class BlockStates:
         ]
         topics = {check.signal.topic for block in blocks for check in block.checks}
         self._values = {
-            signal: value for topic in topics for signal, value in knowledge.watched[topic].readings(now_ns)
+            signal: value for topic in topics for signal, value in knowledge.readings(topic, now_ns)
         }
         self._latched = {
             check.latch: evaluator.latched(check.latch)

@@ -21,6 +21,7 @@ from smarttestudo.domain.observation import (
     ReceiversReckon,
     SourceChanged,
     Undecodable,
+    VitalsMeasured,
 )
 from smarttestudo.domain.record import from_json, to_json
 from smarttestudo.files.removal import remove
@@ -45,6 +46,7 @@ _CHANGES: Mapping[str, type[Change]] = {
     "budget": LinkBudget,
     "reckoned": ReceiversReckon,
     "clock": ClockJumped,
+    "vitals": VitalsMeasured,
 }
 _OTHERS: Mapping[str, type[GraphInput | WakeInput | RuleTextsInput]] = {
     "graph": GraphInput,

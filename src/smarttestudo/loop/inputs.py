@@ -40,7 +40,7 @@ class MessageInput:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeInput:
-    """The publishers of a topic, its listeners, what receivers reckon, the budget or the clock changed."""
+    """Publishers of a topic, its listeners, what receivers reckon, budget, clock or vitals changed."""
 
     stamp_ns: int
     change: Change

@@ -17,8 +17,9 @@ from smarttestudo.domain.timing import AlarmClock, Yield, never_yield, yielding
 from smarttestudo.domain.units import NS_PER_S, ns_from_s
 from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
-from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics
+from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics, watched_vitals
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
 from smarttestudo.loop.step import still_recording
 
 _GONE = -1
@@ -137,8 +138,9 @@ def exchange_rules(
     prepared.evaluator.restore_history(knowledge.evaluator)
     knowledge.evaluator, prepared.evaluator = prepared.evaluator, knowledge.evaluator
     knowledge.watched = _watched(knowledge, sources, now_ns)
+    knowledge.vitals = _vitals(knowledge)
     knowledge.watch_alarms = AlarmClock()
-    for topic in knowledge.watched:
+    for topic in (*knowledge.watched, *knowledge.vitals):
         knowledge.watch_alarms.set(topic, now_ns)
     _carry_on_hysteresis(knowledge, prepared.same)
     knowledge.settle_alarms = AlarmClock()
@@ -180,6 +182,14 @@ def _watched(
         elif change is not None:
             entry.change_source(change)
     return watched
+
+
+def _vitals(knowledge: Knowledge) -> Mapping[str, WatchedVitals]:
+    vitals = watched_vitals(knowledge.rule_set)
+    for source, entry in vitals.items():
+        if (known := knowledge.vitals.get(source)) is not None:
+            entry.restore_history(known)
+    return vitals
 
 
 def _carry_on_hysteresis(knowledge: Knowledge, same: Mapping[str, SameRules]) -> None:

@@ -18,6 +18,7 @@ from smarttestudo.domain.observation import (
     Observation,
     SourceChanged,
     Undecodable,
+    VitalsMeasured,
 )
 from smarttestudo.domain.signal import Truth, Value
 from smarttestudo.domain.units import NS_PER_S
@@ -25,6 +26,7 @@ from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.loop.knowledge.knowledge import Hysteresis, Knowledge
 from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
+from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
 
 
 def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: int) -> list[Reading]:
@@ -32,10 +34,16 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
 
     ``now_ns`` is the steady time. Topics that no check reads cost a look-up.
     """
-    touched: dict[str, WatchedTopic] = {}
+    touched: dict[str, WatchedTopic | WatchedVitals] = {}
     for observation in observations:
         if isinstance(observation, LinkBudget):
             knowledge.set_budget(observation)
+            continue
+        if isinstance(observation, VitalsMeasured):
+            vitals = knowledge.vitals.get(observation.source)
+            if vitals is not None:
+                touched[observation.source] = vitals
+                vitals.take(observation.values, now_ns)
             continue
         _meter(knowledge, observation, now_ns)
         if isinstance(observation, ListenersChanged):
@@ -45,11 +53,11 @@ def monitor(knowledge: Knowledge, observations: Iterable[Observation], now_ns: i
             touched[observation.topic] = watched
             _take(knowledge, watched, observation, now_ns)
     for topic in knowledge.watch_alarms.take_due(now_ns):
-        touched[topic] = knowledge.watched[topic]
+        touched[topic] = knowledge.vitals.get(topic) or knowledge.watched[topic]
     readings: list[Reading] = []
-    for topic, watched in touched.items():
-        readings += watched.readings(now_ns)
-        knowledge.watch_alarms.set(topic, watched.next_change_ns(now_ns))
+    for topic, read in touched.items():
+        readings += read.readings(now_ns)
+        knowledge.watch_alarms.set(topic, read.next_change_ns(now_ns))
     return readings
 
 

@@ -322,7 +322,7 @@ class _Meter:
         self._evaluator = Evaluator(rule_set)
         for signal in rule_set.signals:
             # Rates, bandwidths and ages are never unknown: they start at 0.
-            if ArrivalProperty.named(signal.property) is not None:
+            if ArrivalProperty.of(signal) is not None:
                 self._evaluator.set(signal, 0.0)
         self.start_up_kb_per_s = self._sum(rule_set.relayed)
 

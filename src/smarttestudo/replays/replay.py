@@ -390,7 +390,7 @@ class _Run:
     def _sources_needed(self) -> dict[str, Channel]:
         """The sources that are relayed or that checks read; the loop need not know of the others."""
         rule_set = self._request.rule_set
-        needed = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+        needed = {*rule_set.relayed, *rule_set.topics_read}
         needed.difference_update(self._request.left_out)
         return {topic: channel for topic, channel in self._topics.sources.items() if topic in needed}
 

@@ -12,7 +12,14 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.metadata_text import offered_qos
 from smarttestudo.bags.qos import qos_profiles
 from smarttestudo.domain.errors import RecordingError, UsageError
-from smarttestudo.domain.names import DECISIONS_TOPIC, OWN_TOPICS, TEXT_TYPE, is_own_topic, output_name
+from smarttestudo.domain.names import (
+    DECISIONS_TOPIC,
+    OWN_TOPICS,
+    TEXT_TYPE,
+    is_own_topic,
+    is_source,
+    output_name,
+)
 from smarttestudo.domain.recording import Channel, first_of_topics
 from smarttestudo.domain.signal import ArrivalProperty, Signal
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
@@ -37,9 +44,7 @@ def require_decodable(channels: Sequence[Channel], rule_set: RuleSet, decoder: R
 
 def _topics_decoded(rule_set: RuleSet) -> frozenset[str]:
     """Topics of which checks read more than arrivals."""
-    return frozenset(
-        signal.topic for signal in rule_set.signals if ArrivalProperty.named(signal.property) is None
-    )
+    return frozenset(signal.topic for signal in rule_set.signals if ArrivalProperty.of(signal) is None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -119,6 +124,7 @@ def absent_topics(rule_set: RuleSet, recorded: Collection[str]) -> Iterator[str]
     for topic in relayed:
         if topic not in recorded:
             yield f"{topic}: not in the recording, so nothing of it is relayed"
-    watched = {signal.topic for signal in rule_set.signals}
-    for topic in sorted(watched.difference(recorded, relayed)):
+    for topic in sorted(rule_set.topics_read.difference(recorded, relayed)):
         yield f"{topic}: not in the recording, so checks of it stay unknown"
+    for source in sorted({signal.topic for signal in rule_set.signals if is_source(signal.topic)}):
+        yield f"{source}: no recording has it, so checks of it stay unknown"

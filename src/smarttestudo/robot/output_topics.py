@@ -50,7 +50,7 @@ def output_topics(
     """The output topic of each relayed one; ``UsageError`` if a name is invalid, taken or ``in_use``."""
     named = {topic: output_name(topic, output_topic.pattern) for topic in rule_set.relayed}
     names = {topic: output_topic.resolved(name) for topic, name in named.items()}
-    sources = {*rule_set.relayed, *(signal.topic for signal in rule_set.signals)}
+    sources = {*rule_set.relayed, *rule_set.topics_read}
     taken = OWN_TOPICS if output_topic.is_elsewhere else OWN_TOPICS | sources
     used = set(in_use)
     for topic, name in names.items():

@@ -8,6 +8,7 @@ from smarttestudo.language.properties.field_path import PropertySpec, Reader, is
 from smarttestudo.language.properties.signal_readers import SignalReader, reads_element, signal_reader
 from smarttestudo.language.properties.table import (
     ARRIVAL_PROPERTIES,
+    SOURCE_MEANINGS,
     accuracy_properties_of,
     conventional_types,
     known_types,
@@ -20,6 +21,7 @@ from smarttestudo.language.properties.table import (
 
 __all__ = [
     "ARRIVAL_PROPERTIES",
+    "SOURCE_MEANINGS",
     "PropertySpec",
     "Reader",
     "SignalReader",

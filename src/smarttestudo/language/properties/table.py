@@ -12,6 +12,7 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
+from smarttestudo.domain.names import LINK, MACHINE, is_source
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import readers
 from smarttestudo.language.properties.distances import JOINT_POSITION, ORIENTATION, POSITION
@@ -370,6 +371,70 @@ ARRIVAL_PROPERTIES: Mapping[str, PropertySpec] = MappingProxyType(
 """Properties of every topic, for checks alone; they need nothing decoded and are never unknown."""
 
 
+SOURCE_MEANINGS: Mapping[str, str] = MappingProxyType(
+    {MACHINE: "the robot's computer", LINK: "the link to the operators"}
+)
+"""What checks can name in the place of a topic."""
+
+
+def _vitals(*specs: PropertySpec) -> Mapping[str, PropertySpec]:
+    return MappingProxyType({spec.name: spec for spec in specs})
+
+
+_VITALS: Mapping[str, Mapping[str, PropertySpec]] = MappingProxyType(
+    {
+        MACHINE: _vitals(
+            PropertySpec(
+                name="cpu", unit="%", meaning="share of all cores that is busy", minimum=0.0, maximum=100.0
+            ),
+            PropertySpec(
+                name="memory", unit="%", meaning="share of the memory in use", minimum=0.0, maximum=100.0
+            ),
+            PropertySpec(
+                name="temperature", unit="°C", meaning="hottest sensor", minimum=-60.0, maximum=125.0
+            ),
+            PropertySpec(
+                name="disk_free",
+                unit="GB",
+                meaning="free on the disk of --incidents, else of the working folder",
+                minimum=0.0,
+            ),
+            PropertySpec(
+                name="wifi_signal", unit="dBm", meaning="strongest Wi-Fi signal", minimum=-150.0, maximum=0.0
+            ),
+        ),
+        LINK: _vitals(
+            PropertySpec(
+                name="capacity",
+                unit="KB/s",
+                meaning="bandwidth that the link carries, where it is the limit",
+                minimum=0.0,
+            ),
+            PropertySpec(
+                name="round_trip", unit="ms", meaning="least round trip of the last 10 s", minimum=0.0
+            ),
+            PropertySpec(
+                name="used", unit="%", meaning="share of the capacity in use", minimum=0.0, maximum=100.0
+            ),
+            PropertySpec(
+                name="connected",
+                unit="",
+                meaning="true while an operator is there, else false",
+                minimum=0.0,
+                maximum=1.0,
+            ),
+            PropertySpec(
+                name="age",
+                unit="s",
+                meaning="time since anything arrived at the operator, or since the start",
+                minimum=0.0,
+            ),
+        ),
+    }
+)
+"""What checks read of the machine and the link, which are like types of their own."""
+
+
 def message_type(type_name: str) -> MessageType:
     """The declared properties of ``type_name``, none of a type that is not in the table."""
     return _TYPES.get(type_name, _NO_PROPERTIES)
@@ -381,7 +446,12 @@ def known_types() -> tuple[str, ...]:
 
 
 def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
-    """The named properties of ``type_name`` for checks, without those of every topic."""
+    """The named properties of ``type_name`` for checks, without those of every topic.
+
+    Those of the machine and the link are named by what stands for the topic.
+    """
+    if is_source(type_name):
+        return _VITALS.get(type_name, {})
     return {declared.spec.name: declared.spec for declared in message_type(type_name).values}
 
 
@@ -402,6 +472,8 @@ def accuracy_properties_of(type_name: str) -> Mapping[str, PropertySpec]:
 
 def property_spec(type_name: str | None, name: str) -> PropertySpec | None:
     """The description of property ``name``; with the type unknown, whatever all types agree on."""
+    if type_name is not None and is_source(type_name):
+        return properties_of(type_name).get(name)
     if name in ARRIVAL_PROPERTIES:
         return ARRIVAL_PROPERTIES[name]
     if type_name is not None:

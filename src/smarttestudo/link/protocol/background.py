@@ -93,6 +93,8 @@ class BackgroundRequests(Generic[_Request]):
         self._within_budget_ns = 0
         """When all that was sent is within the budget."""
         self._clients: dict[int, _Client[_Request]] = {}
+        self.sent_bytes = 0
+        """Bytes of all answers, with what frames them."""
         self._alone = Window()
         self._busy_ns = self._sent_ns = 0
         self._delivered_bytes = 0
@@ -179,6 +181,7 @@ class BackgroundRequests(Generic[_Request]):
         known.sent_bytes += size_bytes
         known.flights.append((known.sent_bytes, now_ns))
         self._sent_ns = now_ns
+        self.sent_bytes += size_bytes + _FRAMING_BYTES
         of_budget_ns = int((size_bytes + _FRAMING_BYTES) * NS_PER_S / self._budget_bytes_per_s)
         self._within_budget_ns = max(self._within_budget_ns, now_ns - _BUDGET_CREDIT_NS) + of_budget_ns
         live = self._live(now_ns)

@@ -112,6 +112,7 @@ class Scheduler(Generic[_Request]):
         self.session = 0
         """Number of the session of which chunks are; 0 before the first."""
         self.open_until_ns: int | None = None
+        self._chunk_bytes = 0
         self.outbox = Outbox(encode)
         self.outbox.open(CONTROL_STREAM)
         self.window = Window()
@@ -123,6 +124,11 @@ class Scheduler(Generic[_Request]):
     def is_open(self, now_ns: int) -> bool:
         """Whether somebody is there to receive live messages."""
         return self.open_until_ns is not None and now_ns <= self.open_until_ns
+
+    @property
+    def sent_bytes(self) -> int:
+        """Bytes that were put on the link since the start: chunks of all sessions, and answers."""
+        return self._chunk_bytes + self.requests.sent_bytes
 
     def is_stalled(self, now_ns: int) -> bool:
         """Whether what is under way should long have arrived."""
@@ -153,6 +159,7 @@ class Scheduler(Generic[_Request]):
             return None
         self.budget.sent(now_ns)
         data = chunk.to_bytes()
+        self._chunk_bytes += len(data)
         self.window.sent(len(data), now_ns)
         self.requests.fill(len(data), now_ns, self.window)
         if self.outbox.is_empty:

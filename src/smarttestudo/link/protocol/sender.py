@@ -101,7 +101,9 @@ class LinkSender(Generic[_Request]):
     that one is sent; as one comes, latched messages are sent once more.
     """
 
-    def __init__(self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf) -> None:
+    def __init__(
+        self, encode: Encode = plain, fetch_budget_bytes_per_s: float = math.inf, start_ns: int = 0
+    ) -> None:
         self._encode = encode
         self.scheduler: Scheduler[_Request] = Scheduler(self._encoded, fetch_budget_bytes_per_s)
         """What is sent next; it has the requests that others enqueue, too."""
@@ -125,6 +127,8 @@ class LinkSender(Generic[_Request]):
         self._received_ns = 0
         self._reported_ns = 0
         """When any receiver reported last."""
+        self._arrived_ns = start_ns
+        """When an operator's end said last that more has arrived."""
         self._restarted_ns = 0
         self._outages = 0
         self._ages_ms: dict[str, float] = {}
@@ -249,6 +253,8 @@ class LinkSender(Generic[_Request]):
             sessions=self._sessions,
             predicted=self._receivers.predicted(now_ns),
             operators=self._receivers.present(now_ns),
+            sent_bytes=self.scheduler.sent_bytes,
+            silent_s=(now_ns - self._arrived_ns) / NS_PER_S,
         )
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
@@ -323,7 +329,10 @@ class LinkSender(Generic[_Request]):
         is_stalled = self.scheduler.is_stalled(now_ns)
         if is_stalled:
             self._outbox.cut()
+        before_bytes = self.scheduler.window.acknowledged_bytes
         self.scheduler.acknowledge(received, now_ns)
+        if self.scheduler.window.acknowledged_bytes > before_bytes:
+            self._arrived_ns = now_ns
         self._outages += is_stalled
         is_lossy = received.is_cut or bool(received.lost)
         return (is_stalled and self.scheduler.window.in_flight_bytes > 0) or (

@@ -68,7 +68,7 @@ class RobotEnd:
         self._warn = warn
         self._clock = clock
         self._sender: LinkSender[WaitingAsk] = LinkSender(
-            Compressor().encode, fetch_budget_kb_per_s * BYTES_PER_KB
+            Compressor().encode, fetch_budget_kb_per_s * BYTES_PER_KB, clock()
         )
         self._lock = threading.Lock()
         self._inbox: deque[Callable[[], None]] = deque()

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from smarttestudo.domain.decision import BoundReason, PlannedRate, Reason
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S, Profile
 from smarttestudo.domain.signal import Signal, Value, shown_value
@@ -21,7 +22,8 @@ from smarttestudo.language.normal_form import reads
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.language.text_region import SetOfValues
 from smarttestudo.loop.knowledge.link_use import LinkUse
-from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
+from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
+from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
 
 
 class BoundHysteresis:
@@ -175,10 +177,11 @@ class Knowledge:
     """Rules, profile and everything remembered about the robot; the loop owns one and changes it in ``step``.
 
     Times inside are steady times. ``effective`` and ``plan`` hold the relayed topics, ``watched`` those that
-    checks read; ``settled`` are the requests that settled, before ``link`` cuts them to a budget, if there is
-    one; ``without_subscribers`` are relayed topics. ``unknown_values`` counts messages that left a signal
-    unknown, ``undecodable`` those that could not be decoded, by topic. ``recording`` are the blocks with
-    recordings, by order, that began to hold and are not known to have ended.
+    checks read, ``vitals`` what they read of the machine and the link; ``settled`` are the requests that
+    settled, before ``link`` cuts them to a budget, if there is one; ``without_subscribers`` are relayed
+    topics. ``unknown_values`` counts messages that left a signal unknown, ``undecodable`` those that could
+    not be decoded, by topic. ``recording`` are the blocks with recordings, by order, that began to hold and
+    are not known to have ended.
     """
 
     def __init__(
@@ -191,8 +194,9 @@ class Knowledge:
         self.time = SteadyTime(start_ns)
         self.evaluator = Evaluator(rule_set, start_ns)
         self.watched = watched_topics(rule_set, profile, start_ns, self.evaluator)
+        self.vitals = watched_vitals(rule_set)
         self.watch_alarms = AlarmClock()
-        for topic in self.watched:
+        for topic in (*self.watched, *self.vitals):
             self.watch_alarms.set(topic, start_ns)
         self.hysteresis: dict[str, Hysteresis] = {}
         self.settle_alarms = AlarmClock()
@@ -243,6 +247,11 @@ class Knowledge:
         watched = self.watched.get(topic)
         return watched is not None and bool(watched.fields)
 
+    def readings(self, topic: str, now_ns: int) -> list[Reading]:
+        """The value of every signal of ``topic``, which checks read, at ``now_ns``."""
+        vitals = self.vitals.get(topic)
+        return (self.watched[topic] if vitals is None else vitals).readings(now_ns)
+
     def values_of(self, block: int | None, now_ns: int) -> dict[str, Value | None]:
         """Values that the condition of the block of that order reads at ``now_ns``, by signal name."""
         if block is None:
@@ -254,7 +263,7 @@ class Knowledge:
         values = {
             signal: value
             for topic in {signal.topic for signal in signals}
-            for signal, value in self.watched[topic].readings(now_ns)
+            for signal, value in self.readings(topic, now_ns)
         }
         return {
             str(signal): shown_value(values[signal], partial(_is_in_any, regions.get(signal, ())))
@@ -279,10 +288,21 @@ def watched_topics(
     rule_set: RuleSet, profile: Profile, start_ns: int, evaluator: Evaluator
 ) -> Mapping[str, WatchedTopic]:
     """The topics that the checks of a rule set read; nothing is known of them yet."""
+    return {
+        topic: WatchedTopic(read, profile.topic(topic), start_ns, evaluator.cuts)
+        for topic, read in _signals_by_topic(rule_set).items()
+        if not is_source(topic)
+    }
+
+
+def watched_vitals(rule_set: RuleSet) -> Mapping[str, WatchedVitals]:
+    """What the checks of a rule set read of the machine and the link; nothing is known of it yet."""
+    by_topic = _signals_by_topic(rule_set)
+    return {source: WatchedVitals(read) for source, read in by_topic.items() if is_source(source)}
+
+
+def _signals_by_topic(rule_set: RuleSet) -> dict[str, list[Signal]]:
     signals: dict[str, list[Signal]] = {}
     for signal in sorted(rule_set.signals):
         signals.setdefault(signal.topic, []).append(signal)
-    return {
-        topic: WatchedTopic(read, profile.topic(topic), start_ns, evaluator.cuts)
-        for topic, read in signals.items()
-    }
+    return signals

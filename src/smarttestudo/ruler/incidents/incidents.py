@@ -18,6 +18,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.robot_path import PathReader, notice_of_unknown, places_in
 from smarttestudo.domain.errors import RecordingError, TestudoError
 from smarttestudo.domain.incident import IncidentRecord, Missing, MissingReason, RemoteIncident
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.files.zip_stream import zip_pieces
@@ -181,6 +182,8 @@ def _units(record: IncidentRecord) -> Iterator[tuple[str, str]]:
     for signal in record.values:
         topic, _, name = signal.partition(" ")
         type_name = record.topics[topic].type_name if topic in record.topics else None
+        if is_source(topic):
+            type_name = topic
         if (spec := property_spec(type_name, name)) is not None:
             yield signal, spec.unit
 

@@ -10,11 +10,13 @@ from pathlib import Path
 
 from msgspec import Struct
 
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import AccuracyTiers, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
+    SOURCE_MEANINGS,
     PropertySpec,
     conventional_types,
     properties_for_bounds,
@@ -76,6 +78,14 @@ class KnownTopic(Struct, frozen=True, kw_only=True):
     is_published: bool
 
 
+class KnownVitals(Struct, frozen=True, kw_only=True):
+    """The machine or the link, by the ``name`` that checks have in the place of a topic."""
+
+    name: str
+    meaning: str
+    properties: tuple[Property, ...]
+
+
 class VocabularyRequest(Struct, frozen=True, kw_only=True):
     """The texts that an editor has open."""
 
@@ -84,10 +94,14 @@ class VocabularyRequest(Struct, frozen=True, kw_only=True):
 
 
 class Vocabulary(Struct, frozen=True, kw_only=True):
-    """Words that an editor suggests; ``every_topic`` are the properties of any topic."""
+    """Words that an editor suggests; ``every_topic`` are the properties of any topic.
+
+    Checks alone can name ``vitals``.
+    """
 
     topics: tuple[KnownTopic, ...]
     every_topic: tuple[Property, ...]
+    vitals: tuple[KnownVitals, ...]
 
 
 DEFAULT_USER = "default"
@@ -113,6 +127,14 @@ def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabul
     return Vocabulary(
         topics=tuple(_known_topics(profile, rules, robot_topics())),
         every_topic=_properties(ARRIVAL_PROPERTIES.values(), TopicProfile()),
+        vitals=tuple(
+            KnownVitals(
+                name=name,
+                meaning=meaning,
+                properties=_properties(properties_of(name).values(), TopicProfile()),
+            )
+            for name, meaning in SOURCE_MEANINGS.items()
+        ),
     )
 
 
@@ -191,5 +213,5 @@ def _topics_of(statement: Statement) -> set[str]:
         *(one.topic.text for one in sets_in(actions)),
         *(one.topic.text for one in bounds_in(actions)),
         *(topic.text for one in records_in(actions) for topic in one.topics),
-        *(check.topic.text for check in checks_in(statement.condition)),
+        *(check.topic.text for check in checks_in(statement.condition) if not is_source(check.topic.text)),
     }

@@ -11,6 +11,7 @@ from msgspec import Struct
 
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import UsageError
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.signal import Signal
@@ -117,6 +118,8 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
 def _draft(request: CheckCourseRequest) -> Draft:
     """The condition as rules of one file: the first is the check, the last the condition."""
     check = _check_in(request.condition)
+    if is_source(check.topic):
+        raise UsageError("no recording has it", place=check.topic, remedy="try it on a robot")
     conditions = [check] if request.condition is check else [check, request.condition]
     full = SetStatement(topic=check.topic, rate=FullRate())
     rules = [
@@ -177,7 +180,8 @@ class _ValueWatch:
             self.stepped(self._end_ns, self._loop)
 
     def _read(self, loop: RelayLoop, now_ns: int) -> float | None:
-        readings = loop.knowledge.watched[self._signal.topic].readings(loop.knowledge.time.at(now_ns))
+        knowledge = loop.knowledge
+        readings = knowledge.readings(self._signal.topic, knowledge.time.at(now_ns))
         value = dict(readings)[self._signal]
         return value if isinstance(value, float) else None
 
