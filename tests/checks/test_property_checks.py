@@ -21,6 +21,10 @@ from smarttestudo.domain.profile import Profile, TopicProfile
         ("CheckValue /odom yaw <= 180", "check-always-holds"),
         ("CheckValue /battery_state level > 120", "check-never-holds"),
         ("CheckValue /scan distance < -1", "check-never-holds"),
+        ("CheckValue @machine cpu > 120", "check-never-holds"),
+        ("CheckValue @machine wifi_signal > 0", "check-never-holds"),
+        ("CheckValue @link age >= 0", "check-always-holds"),
+        ("CheckValue @machine cpu = 50", "equals-measured"),
     ],
 )
 def test_checks_beside_the_range_of_a_property_are_named(condition: str, code: str) -> None:
@@ -47,6 +51,8 @@ def test_a_type_with_a_field_of_that_name_is_not_taken_for_a_battery() -> None:
         ("CheckValue /gps status.status = 2", False),
         ("CheckValue /estop data != 0", False),
         ("CheckValue /scan rate = 0", False),
+        ("CheckValue @link capacity = 40", True),
+        ("CheckValue @link connected = 1", False),
     ],
 )
 def test_only_measured_numbers_are_doubtful_with_equals(condition: str, *, doubtful: bool) -> None:
@@ -173,3 +179,33 @@ def test_a_bound_names_a_number_of_a_pose(path: str) -> None:
     (finding,) = findings_of(f"begin KeepWithin /odom {path} 1 end", context=context)
     assert finding.message == f"nav_msgs/msg/Odometry, the type of /odom, has no number {path}"
     assert codes_of("begin KeepWithin /odom pose.pose.position.x 1 end") == []
+
+
+@pytest.mark.parametrize(
+    ("read", "message", "fix"),
+    [
+        ("@machine cup", "@machine has no property cup", "cpu"),
+        ("@machine age", "@machine has no property age", None),
+        ("@link rate", "@link has no property rate", None),
+        ("@link data.level", "@link has no property data.level", None),
+    ],
+)
+def test_what_the_machine_and_the_link_lack_is_named(read: str, message: str, fix: str | None) -> None:
+    (found,) = findings_of(ONE_BLOCK.format(f"CheckValue {read} > 5"))
+    assert (found.code, found.message) == ("unknown-property", message)
+    assert (None if found.fix is None else found.fix.replacement) == fix
+
+
+def test_no_recording_and_no_profile_is_asked_for_the_machine() -> None:
+    context = CheckContext(
+        bag_topics={"/odom": "nav_msgs/msg/Odometry"}, profile=Profile(topics={"/odom": TopicProfile()})
+    )
+    assert codes_of(ONE_BLOCK.format("CheckValue @machine cpu > 90"), context=context) == []
+
+
+def test_a_number_beyond_a_signal_is_explained_in_its_unit() -> None:
+    (found,) = findings_of(ONE_BLOCK.format("CheckValue @link used > 130"))
+    assert found.message == "@link used > 130 never holds: used lies between 0 and 100 %"
+    assert found.hint == "correct the number"
+    (found,) = findings_of(ONE_BLOCK.format("CheckValue @link connected > 1"))
+    assert found.message == "@link connected > 1 never holds: connected lies between 0 and 1"

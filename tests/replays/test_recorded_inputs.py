@@ -8,13 +8,21 @@ import json
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from bags.bag_factory import ODOM, odometry
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.cli.main import main
 from smarttestudo.domain.decision import Decision
-from smarttestudo.domain.observation import LinkBudget, ListenersChanged, SourceChanged, Undecodable
+from smarttestudo.domain.observation import (
+    LinkBudget,
+    ListenersChanged,
+    SourceChanged,
+    Undecodable,
+    VitalsMeasured,
+)
 from smarttestudo.domain.recording import Channel
 from smarttestudo.loop.input_log import input_log
 from smarttestudo.loop.inputs import (
@@ -25,6 +33,7 @@ from smarttestudo.loop.inputs import (
     RulesInput,
     WakeInput,
 )
+from smarttestudo.replays.inputs import replay_inputs
 from smarttestudo.robot.input_recorder import InputRecorder, Note
 from smarttestudo.robot.live_rules import LiveRules
 from smarttestudo.robot.option import Settings
@@ -99,6 +108,58 @@ def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
     assert lines == [json.loads(json.dumps(decision.to_json())) for decision in decisions]
     assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "link", "reload"}
     assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent"}
+
+
+SOURCE_RULES = """\
+begin
+  SetFrequency /scan 1
+  Rule "Hot" If (CheckValue @machine temperature > 70 Until < 60) Then SetFrequency /scan 5
+  Rule "Seen" Priority 1 If (CheckValue @link connected = true AND Not CheckValue @link used > 90 For 2 s)
+  Then SetFrequency /scan 9 Else SetFrequency /scan 2
+  Rule "Silent" Priority 2 If (CheckValue @link age > 5) Then SetFrequency /scan 3
+end
+"""
+measured = st.one_of(
+    st.builds(
+        VitalsMeasured,
+        source=st.just("@machine"),
+        values=st.fixed_dictionaries({"temperature": st.none() | st.floats(50, 80)}),
+    ),
+    st.builds(
+        VitalsMeasured,
+        source=st.just("@link"),
+        values=st.fixed_dictionaries(
+            {
+                "connected": st.sampled_from([0.0, 1.0]),
+                "used": st.none() | st.floats(0, 100),
+                "age": st.floats(0, 10),
+            }
+        ),
+    ),
+)
+
+
+@settings(max_examples=50)
+@given(st.lists(st.tuples(st.integers(0, 7000), measured), max_size=12))
+def test_what_was_measured_of_machine_and_link_decides_the_same(
+    tmp_path_factory: pytest.TempPathFactory, course: list[tuple[int, VitalsMeasured]]
+) -> None:
+    folder = tmp_path_factory.mktemp("measured")
+    rules, now_ns = live_rules(SOURCE_RULES), 0
+    with input_log(folder / "inputs") as note:
+        recorder = InputRecorder(VirtualRobot(), Settings(), note)
+        loop = recorder.loop(rules, 0)
+        for gap_ms, change in course:
+            then_ns = now_ns + gap_ms * MS
+            while (wake_ns := loop.next_wake_ns) is not None and wake_ns <= then_ns:
+                recorder.record(woken := WakeInput(stamp_ns=wake_ns), rules)
+                loop.handle(woken)
+            now_ns = then_ns
+            recorder.record(given_change := ChangeInput(stamp_ns=now_ns, change=change), rules)
+            loop.handle(given_change)
+    again: list[Decision] = []
+    replay_inputs(folder / "inputs", again.extend)
+    assert [one.to_json() for one in again] == [one.to_json() for one in loop.take_decisions()]
 
 
 def test_how_long_the_run_was_is_not_said_as_the_time_of_the_replay(

@@ -223,6 +223,22 @@ def test_messages_that_do_not_decode_and_values_that_are_nan_are_counted_and_nam
     assert {messages[place] for place in odometries[10:13]} <= passed
 
 
+def test_the_machine_and_the_link_are_unknown_in_a_replay_and_that_is_said_once(tmp_path: Path) -> None:
+    rules = (
+        "SetFrequency /odom 1\n"
+        "If (CheckValue @machine cpu > 90 OR CheckValue @machine memory > 90 OR CheckValue /odom pose_y > 1e6)\n"
+        "Then SetFrequency /odom 2\n"
+        "If (CheckValue @link connected = false) Then SetFrequency /odom 3"
+    )
+    run = replay_content(MISSION, rules, tmp_path)
+    assert run.outcome.notices == (
+        "@link: no recording has it, so checks of it stay unknown",
+        "@machine: no recording has it, so checks of it stay unknown",
+    )
+    assert [(one.planned.rate.hz, one.planned.reason) for one in run.decisions] == [(3, Reason.UNKNOWN)]
+    assert run.decisions[0].values == {"@link connected": None}
+
+
 def test_topics_that_the_recording_does_not_hold_are_named(tmp_path: Path) -> None:
     rules = (
         "SetFrequency /imu 5\nSetFrequency /scan 1\nIf (CheckValue /wheel a > 1) Then SetFrequency /scan 2"

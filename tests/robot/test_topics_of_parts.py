@@ -7,6 +7,8 @@ from __future__ import annotations
 from incidents.incident_runs import rules_of
 from robot.small_graph import SmallGraph
 from smarttestudo.domain.robot import GraphChange, PollGraph
+from smarttestudo.language.parser import parse
+from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.robot.decisions import LiveDecisions
 from smarttestudo.robot.input_recorder import InputRecorder
 from smarttestudo.robot.live_rules import LiveRules
@@ -50,3 +52,21 @@ def test_a_topic_is_no_longer_subscribed_to_once_no_part_asks_for_it() -> None:
     )
     run.drive(lambda: len(part.seen) >= 5)
     assert part.seen == [{"/scan"}] * 3 + [set()] * 2
+
+
+def test_the_machine_and_the_link_are_no_topics() -> None:
+    graph = PollingGraph()
+    graph.joins("/scan", b"driver")
+    text = (
+        "begin SetFrequency /scan 5 If (CheckValue @machine cpu > 90 AND CheckValue @link age > 3) "
+        'Then Record "busy" Before 1 s After 1 s EndIf end'
+    )
+    parsed = parse(text, "rules.adirf")
+    assert not parsed.findings
+    rule_set = compile_rules([parsed.file], lambda name: f"/robot{name}")
+    assert {signal.topic for signal in rule_set.signals} == {"@machine", "@link"}
+    assert rule_set.relayed == ("/robot/scan",)
+    assert rule_set.recorded == {"/robot/scan"}
+    rules = LiveRules(rule_set=rule_set, output_topics={"/robot/scan": "/testudo/scan"})
+    run = LiveRun(graph, InputRecorder(graph, Settings(), None), rules, LiveDecisions(graph, []))
+    assert run.topics.keys() == {"/robot/scan"}

@@ -12,6 +12,7 @@ import pytest
 
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
+from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.link import LinkState
 from smarttestudo.domain.observation import VitalsMeasured
 from smarttestudo.language.parser import parse
@@ -27,7 +28,7 @@ MEMORY = "CheckValue @machine memory > 50"
 
 
 def rules_of(condition: str) -> LiveRules:
-    text = f"begin SetFrequency /odom 10 If ({condition}) Then SetFrequency /odom 2 EndIf end"
+    text = f"begin SetFrequency /odom 10 If ({condition}) Then SetFrequency /odom 20 EndIf end"
     parsed = parse(text, "rules.adirf")
     assert not parsed.findings
     return LiveRules(rule_set=compile_rules([parsed.file], lambda name: f"/robot{name}"))
@@ -83,7 +84,7 @@ def test_what_rules_read_of_the_machine_decides(tmp_path: Path) -> None:
     assert run.given == [("@machine", {"memory": 75.0})]
     decision = run.loop.take_decisions()[-1]
     assert decision.values == {"@machine memory": 75.0}
-    assert decision.planned.rate.hz == 2
+    assert decision.planned.reason is Reason.BLOCK
 
 
 def test_rules_that_come_later_are_followed(tmp_path: Path) -> None:

@@ -148,7 +148,7 @@ def _checks_that_are(truth: Truth, word: str, rules: RuleModel) -> Iterator[Foun
 def _range_text(spec: PropertySpec) -> str:
     if spec.minimum is not None and spec.maximum is not None:
         low, high = number_text(spec.minimum), number_text(spec.maximum)
-        return f"{spec.name} lies between {low} and {high} {spec.unit}"
+        return f"{spec.name} lies between {low} and {high} {spec.unit}".rstrip()
     if spec.minimum is not None:
         return f"{spec.name} is never below {number_text(spec.minimum)} {spec.unit}"
     if spec.maximum is not None:
