@@ -27,7 +27,7 @@ OF_LINK = """\
 begin
   SetFrequency /imu 5
   Rule "Seen" If (CheckValue @link connected = true) Then SetFrequency /imu 20 EndIf
-  Rule "Long unseen" Priority 1 If (CheckValue @link age > 6) Then SetFrequency /imu 2 EndIf
+  Rule "Long unseen" Priority 1 If (CheckValue @link age > 15) Then SetFrequency /imu 2 EndIf
 end
 """
 BUSY = "while True: pass"

@@ -16,6 +16,7 @@ from smarttestudo.link.protocol.chunks import NOTHING_RECEIVED
 from smarttestudo.link.protocol.messages import Report
 from smarttestudo.link.protocol.outbox import MAX_QUEUED_BYTES
 from smarttestudo.link.protocol.sender import LinkSender
+from smarttestudo.robot.vitals import LinkVitals
 
 # 5 Mbit/s are offered.
 SOURCES = (
@@ -252,3 +253,28 @@ def test_a_link_of_some_kilobits_is_slow_and_not_taken_for_an_outage(bytes_per_s
     both.run(120)
     # Half of what the link could carry, headers included.
     assert len(both.ages_s("/odom", 30)) >= 0.5 * 90 * bytes_per_s / 760
+
+
+def test_what_rules_read_of_a_link_is_true_of_it_through_an_outage() -> None:
+    """Of 250 KB/s, 500 are asked for; from 10 to 20 s nothing passes."""
+    both = ends((0, 250_000), (10, 0), (20, 250_000), sources=SOURCES)
+    vitals = LinkVitals()
+    course: list[dict[str, float | None]] = []
+
+    def read(now_ns: int) -> None:
+        course.append(
+            vitals.read(both.sender.state(now_ns), now_ns, ("capacity", "used", "connected", "age"))
+        )
+        both.at(now_ns + S, read)
+
+    both.at(0, read)
+    both.run(26)
+    before, out, after = course[3:10], course[15:20], course[23:26]
+    for one in (*before, *after):
+        assert one["connected"] == 1
+        assert (one["age"] or 0) < 0.2
+        assert 200 < (one["capacity"] or 0) < 300
+        assert 75 < (one["used"] or 0) <= 100
+    for second, one in enumerate(out, start=15):
+        assert (one["connected"], one["capacity"], one["used"]) == (0, None, None)
+        assert one["age"] == pytest.approx(second - 10, abs=0.2)
