@@ -728,6 +728,13 @@ export interface KnownTopic {
   is_published: boolean;
 }
 
+/** The machine or the link, by the `name` that checks have in the place of a topic. */
+export interface KnownVitals {
+  name: string;
+  meaning: string;
+  properties: Property[];
+}
+
 /**
  * Kept rules last until the robot's runtime ends or its `files` change, of which it may have none.
  *
@@ -1960,10 +1967,15 @@ export interface VersionsAnswer {
   folder: string;
 }
 
-/** Words that an editor suggests; `every_topic` are the properties of any topic. */
+/**
+ * Words that an editor suggests; `every_topic` are the properties of any topic.
+ *
+ * Checks alone can name `vitals`.
+ */
 export interface Vocabulary {
   topics: KnownTopic[];
   every_topic: Property[];
+  vitals: KnownVitals[];
 }
 
 /** The texts that an editor has open. */
