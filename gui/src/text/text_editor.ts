@@ -309,12 +309,17 @@ function options(before: string, word: string, vocabulary: Vocabulary | null): C
     const { properties = [], bounds = [] } = topics.find(({ topic }) => topic === named) ?? {};
     const more = vocabulary?.every_topic ?? [];
     const checked = own?.properties ?? [...properties, ...more];
-    return (keyword === "CheckValue" ? checked : [...bounds, ...properties]).map(
-      ({ name, unit, meaning }) => ({ label: name, detail: unit, info: meaning, type: "property" }),
-    );
+    return (keyword === "CheckValue" ? checked : [...bounds, ...properties]).map(({ name, unit, meaning }) => ({
+      label: name,
+      detail: unit,
+      info: meaning,
+      type: "property",
+    }));
   }
   const isChecked = /CheckValue\s*$/.test(before);
-  const others = isChecked ? vitals.map(({ name, meaning }) => ({ label: name, detail: meaning, type: "variable" })) : [];
+  const others = isChecked
+    ? vitals.map(({ name, meaning }) => ({ label: name, detail: meaning, type: "variable" }))
+    : [];
   if (word.startsWith("@")) return others;
   if (word.startsWith("/") || /(SetFrequency|KeepAtLeast|KeepWithin|CheckValue|Record\s+"[^"]*")\s*$/.test(before)) {
     const named = topics.map(({ topic, type, source }) => ({

@@ -36,6 +36,7 @@ beforeAll(() => {
   const suggest = {
     topics: nothing,
     topicChoices: nothing,
+    vitalsChoices: nothing,
     properties: nothing,
     bounds: nothing,
     rates: nothing,

@@ -18,7 +18,9 @@ async function beside(topics: string[]) {
     {
       "POST /api/vocabulary": () => {
         robot.asked++;
-        return robot.isThere ? { topics: robot.topics.map((topic) => ({ topic })), every_topic: [], vitals: [] } : refused(504);
+        return robot.isThere
+          ? { topics: robot.topics.map((topic) => ({ topic })), every_topic: [], vitals: [] }
+          : refused(504);
       },
     },
   );
