@@ -103,6 +103,7 @@ def test_a_time_is_beside_its_check(project: Path) -> None:
         ({"bag": "tuesday"}, 404),
         ({"condition": {**FAR, "topic": "no topic"}}, 422),
         ({"condition": {**FAR, "op": "about"}}, 400),
+        ({"condition": {**FAR, "topic": "@machine", "property": "cpu"}}, 422),
         ({"condition": {"kind": "not", "term": FAR}}, 422),
         ({"condition": {**FAR, "property": "pose_y > 2) Then SetFrequency /odom 1 EndIf //"}}, 422),
     ],

@@ -292,6 +292,17 @@ def test_topics_that_are_only_recorded_are_known_to_the_page() -> None:
     assert "/map" in topics_in(parse(TEXT.replace("/scan Before", "/scan /map Before"), "a"))
 
 
+def test_the_machine_and_the_link_are_words_of_their_own_and_no_topics() -> None:
+    text = "begin If (CheckValue @machine cpu > 9 AND CheckValue @link used > 9) Then SetFrequency /a 1 end"
+    words = vocabulary(VocabularyRequest(text=text), dict)
+    assert topics_in(parse(text, "a")) == {"/a"}
+    assert not any(one.topic.startswith("@") for one in words.topics)
+    assert {one.name: [each.name for each in one.properties] for one in words.vitals} == {
+        "@machine": ["cpu", "memory", "temperature", "disk_free", "wifi_signal"],
+        "@link": ["capacity", "round_trip", "used", "connected", "age"],
+    }
+
+
 def test_the_page_suggests_what_only_a_bound_can_name() -> None:
     (odom,) = (one for one in vocabulary(VocabularyRequest(), dict).topics if one.topic == "/odom")
     assert [(one.name, one.unit) for one in odom.bounds] == [("position", "m"), ("orientation", "°")]
