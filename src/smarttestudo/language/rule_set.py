@@ -210,7 +210,7 @@ class RuleSet:
 
     @property
     def topics_read(self) -> frozenset[str]:
-        """The topics that checks read, which neither the machine nor the link is one of."""
+        """The topics that checks and margins read, without the machine and the link."""
         return frozenset(signal.topic for signal in self.signals if not is_source(signal.topic))
 
     @property
