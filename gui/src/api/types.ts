@@ -777,7 +777,8 @@ export interface LevelsRequest {
  * `outages` how often nothing arrived at the operator's end for more than a second and four round trips,
  * whether its connection was cut or it was started anew. `sessions` counts how often an operator's end
  * joined that may lack what was sent before. All operator's ends that are there reckon the topics in
- * `predicted` where they are told how; `operators` are their numbers.
+ * `predicted` where they are told how; `operators` are their numbers. `sent_bytes` were put on the
+ * link since the start; for `silent_s` nothing of them is known to have arrived at an operator's end.
  */
 export interface LinkState {
   connected: boolean;
