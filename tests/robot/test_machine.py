@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from smarttestudo.robot.machine import Machine, MachineReader
+from smarttestudo.robot.machine import MachineReader, MachineVitals
 
 ALL = ("cpu", "memory", "temperature", "disk_free", "wifi_signal")
 WIRELESS = """\
@@ -27,23 +27,23 @@ def write(root: Path, name: str, text: str) -> None:
 
 
 def read(root: Path, name: str) -> float | None:
-    return Machine(root, root).read([name])[name]
+    return MachineVitals(root, root).read([name])[name]
 
 
 def test_on_a_machine_without_any_of_these_files_all_but_the_disk_is_unknown(tmp_path: Path) -> None:
-    values = Machine(tmp_path, tmp_path).read(ALL)
+    values = MachineVitals(tmp_path, tmp_path).read(ALL)
     assert values.pop("disk_free") == pytest.approx(shutil.disk_usage(tmp_path).free / 1e9, abs=1)
     assert set(values.values()) == {None}
 
 
 def test_only_what_is_asked_for_is_read(tmp_path: Path) -> None:
-    machine = Machine(tmp_path, tmp_path)
+    machine = MachineVitals(tmp_path, tmp_path)
     assert machine.read(()) == {}
     assert machine.read(["memory", "of_no_machine"]) == {"memory": None}
 
 
 def test_cpu_is_the_share_of_time_since_the_last_call_in_which_cores_were_busy(tmp_path: Path) -> None:
-    machine = Machine(tmp_path, tmp_path)
+    machine = MachineVitals(tmp_path, tmp_path)
     # user nice system idle iowait irq softirq steal guest: a guest's time is a part of the user's.
     write(tmp_path, "proc/stat", "cpu  100 0 50 800 50 0 0 0 90 0\ncpu0 1 2 3 4\n")
     assert machine.read(["cpu"]) == {"cpu": None}
@@ -55,7 +55,7 @@ def test_cpu_is_the_share_of_time_since_the_last_call_in_which_cores_were_busy(t
 
 
 def test_cpu_does_not_reach_over_a_time_in_which_nobody_asked(tmp_path: Path) -> None:
-    machine = Machine(tmp_path, tmp_path)
+    machine = MachineVitals(tmp_path, tmp_path)
     write(tmp_path, "proc/stat", "cpu  0 0 0 100 0 0 0 0\n")
     machine.read(["cpu"])
     write(tmp_path, "proc/stat", "cpu  900 0 0 100 0 0 0 0\n")
@@ -94,7 +94,7 @@ def test_the_wifi_signal_is_the_strongest_that_has_a_unit(tmp_path: Path) -> Non
 
 
 def test_a_disk_that_is_gone_is_unknown(tmp_path: Path) -> None:
-    assert Machine(tmp_path / "gone", tmp_path).read(["disk_free"]) == {"disk_free": None}
+    assert MachineVitals(tmp_path / "gone", tmp_path).read(["disk_free"]) == {"disk_free": None}
 
 
 @pytest.mark.parametrize(
@@ -112,12 +112,12 @@ def test_a_disk_that_is_gone_is_unknown(tmp_path: Path) -> None:
 )
 def test_files_that_say_something_else_are_unknown(tmp_path: Path, name: str, content: str) -> None:
     write(tmp_path, name, content)
-    assert set(Machine(tmp_path / "gone", tmp_path).read(ALL).values()) == {None}
+    assert set(MachineVitals(tmp_path / "gone", tmp_path).read(ALL).values()) == {None}
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="its files are Linux's")
 def test_this_machine_has_a_cpu_a_memory_and_a_disk() -> None:
-    machine = Machine(Path())
+    machine = MachineVitals(Path())
     machine.read(["cpu"])
     values = machine.read(ALL)
     assert 0 < (values["memory"] or 0) < 100
@@ -129,7 +129,7 @@ def test_a_file_that_does_not_answer_keeps_nobody_waiting(tmp_path: Path) -> Non
     hanging = tmp_path / "proc/meminfo"
     hanging.parent.mkdir()
     os.mkfifo(hanging)
-    reader = MachineReader(Machine(tmp_path, tmp_path))
+    reader = MachineReader(MachineVitals(tmp_path, tmp_path))
     for _ in range(3):
         reader.ask(["memory"])
         assert reader.take() is None

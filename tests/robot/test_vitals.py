@@ -20,7 +20,7 @@ from smarttestudo.language.rule_set import compile_rules
 from smarttestudo.loop.inputs import ChangeInput, WakeInput
 from smarttestudo.loop.relay_loop import RelayLoop
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.machine import Machine
+from smarttestudo.robot.machine import MachineVitals
 from smarttestudo.robot.vitals import LinkVitals, VitalsPart
 
 ALL = ("capacity", "round_trip", "used", "connected", "age")
@@ -52,10 +52,10 @@ class GivenRun:
         self.loop.handle(given)
 
 
-def machine(root: Path) -> Machine:
+def machine(root: Path) -> MachineVitals:
     (root / "proc").mkdir()
     (root / "proc/meminfo").write_text("MemTotal: 8 kB\nMemAvailable: 2 kB\n", encoding="ascii")
-    return Machine(root, root)
+    return MachineVitals(root, root)
 
 
 def begun(part: VitalsPart, condition: str) -> GivenRun:

@@ -22,7 +22,7 @@ _IDLE = (3, 4)
 _DECIMALS = 3
 
 
-class Machine:
+class MachineVitals:
     """The machine, with the kernel's files below ``root``; of its disks, that of ``disk`` counts."""
 
     def __init__(self, disk: Path, root: Path = Path("/")) -> None:
@@ -99,7 +99,7 @@ def _sensor_c(file: Path) -> float | None:
 class MachineReader:
     """Reads ``machine`` on a thread of its own, once for each time it is asked: a disk may be away."""
 
-    def __init__(self, machine: Machine) -> None:
+    def __init__(self, machine: MachineVitals) -> None:
         self._machine = machine
         self._names: Collection[str] = ()
         self._values: Mapping[str, float | None] | None = None

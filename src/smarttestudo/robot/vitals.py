@@ -16,7 +16,7 @@ from smarttestudo.domain.texts import SayOnce
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.loop.inputs import ChangeInput
 from smarttestudo.robot.live_rules import LiveRules
-from smarttestudo.robot.machine import Machine, MachineReader
+from smarttestudo.robot.machine import MachineReader, MachineVitals
 from smarttestudo.robot.option import Option
 from smarttestudo.robot.part import Part, PartContext, PartKind, RunView
 
@@ -65,7 +65,7 @@ class VitalsPart(Part):
 
     poll_s = PERIOD_S
 
-    def __init__(self, robot: Robot, machine: Machine, link: OutgoingLink | None) -> None:
+    def __init__(self, robot: Robot, machine: MachineVitals, link: OutgoingLink | None) -> None:
         self._robot = robot
         self._machine = MachineReader(machine)
         self._link = link
@@ -117,6 +117,6 @@ def vitals_part(incidents: Option[Path | None]) -> PartKind:
 
     def make(context: PartContext) -> Part:
         disk = context.settings[incidents] or Path()
-        return VitalsPart(context.robot, Machine(disk), context.link)
+        return VitalsPart(context.robot, MachineVitals(disk), context.link)
 
     return PartKind(make=make)
