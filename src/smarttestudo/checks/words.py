@@ -10,6 +10,7 @@ from smarttestudo.checks import wording
 from smarttestudo.checks.lint_rule import Found, lint_rule
 from smarttestudo.checks.rule_model import RuleModel
 from smarttestudo.domain.finding import Fix, Severity, Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import SignalKind
 from smarttestudo.domain.type_definition import FieldType
 from smarttestudo.language.formatter import number_text, value_text
@@ -27,7 +28,7 @@ def wrong_type(rules: RuleModel) -> Iterator[Found]:
     """A check compares a text with what is a number, or true, false or a constant with what is none.
 
     The check would stay unknown, and its block never decide. The type of the topic is known from the
-    profile, a recording or a robot.
+    profile, a recording or a robot. What `@machine` and `@link` have are numbers, but for `connected`.
     """
     for check in rules.checks:
         field = _field(check, rules)
@@ -70,6 +71,9 @@ def _meant(value: Compared, field: FieldType) -> str:
 
 def _field(check: ResolvedCheck, rules: RuleModel) -> FieldType | None:
     """The field that a check reads, where its topic's type is known for certain; an element of an array."""
+    if is_source(check.signal.topic):
+        spec = rules.context.spec_of(check.signal)
+        return None if spec is None else FieldType(name="number" if spec.unit else _BOOL)
     if rules.context.known_type(check.signal.topic) is None:
         return None
     field = rules.context.types.field_at(check.signal.topic, check.syntax.property)
@@ -113,8 +117,11 @@ def unresolved_constant(rules: RuleModel) -> Iterator[Found]:
     """
     for check, constant in _unresolved(rules):
         if not _constants(check, constant, rules):
-            message = f"the type of {check.signal.topic} is not known, nor what {constant} is"
+            topic = check.signal.topic
+            message = f"the type of {topic} is not known, nor what {constant} is"
             hint = f"write the number, or {rules.context.way_to_profile}"
+            if is_source(topic):
+                message, hint = f"{topic} has no constant {constant}", "write a number, true or false"
             yield _found(check, message, right="", hint=hint)
 
 
