@@ -206,12 +206,15 @@ def _users(rules: ParseResult | None) -> dict[str, list[str]]:
 
 
 def _topics_of(statement: Statement) -> set[str]:
+    """The topics that a statement names, without patterns, machine and link."""
     if not isinstance(statement, Block):
-        return {statement.topic.text}
-    actions = (*statement.then, *statement.otherwise)
-    return {
-        *(one.topic.text for one in sets_in(actions)),
-        *(one.topic.text for one in bounds_in(actions)),
-        *(topic.text for one in records_in(actions) for topic in one.topics),
-        *(check.topic.text for check in checks_in(statement.condition) if not is_source(check.topic.text)),
-    }
+        names = [statement.topic]
+    else:
+        actions = (*statement.then, *statement.otherwise)
+        names = [
+            *(one.topic for one in sets_in(actions)),
+            *(one.topic for one in bounds_in(actions)),
+            *(topic for one in records_in(actions) for topic in one.topics),
+            *(check.topic for check in checks_in(statement.condition)),
+        ]
+    return {name.text for name in names if not (name.is_pattern or is_source(name.text))}
