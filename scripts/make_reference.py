@@ -62,7 +62,9 @@ class FindingsPage:
 
 FINDINGS_PAGES = (
     FindingsPage(title="rates and blocks", file_name="checks-rates.md", themes=("blocks", "rates")),
-    FindingsPage(title="bounds and recordings", file_name="checks-bounds.md", themes=("bounds",)),
+    FindingsPage(
+        title="bounds, recordings and actions", file_name="checks-bounds.md", themes=("bounds", "actions")
+    ),
     FindingsPage(title="topics and properties", file_name="checks-topics.md", themes=("topics", "patterns")),
     FindingsPage(title="conditions", file_name="checks-conditions.md", themes=("conditions", "words")),
 )

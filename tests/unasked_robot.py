@@ -14,7 +14,7 @@ from smarttestudo.domain.parameter import (
     RemoteParameters,
     Values,
 )
-from smarttestudo.domain.robot import Endpoint, Publisher, Qos
+from smarttestudo.domain.robot import Called, Endpoint, Publisher, Qos
 
 
 class UnaskedRobot:
@@ -60,4 +60,7 @@ class UnaskedRobot:
 
     @property
     def remote_parameters(self) -> RemoteParameters:
+        raise NotImplementedError
+
+    def call_service(self, service: str, *, argument: bool | None, called: Called) -> None:
         raise NotImplementedError

@@ -102,7 +102,7 @@ def replay(
             profile=_profile(profile) or Profile(),
             when_slow=WhenSlow.REPEAT if _flag(repeat_slow, "repeat_slow") else WhenSlow.PASS,
             budget_kb_per_s=budget,
-            decided=_ignore if log is None else opened.enter_context(decision_log.decision_log(log)),
+            logged=_ignore if log is None else opened.enter_context(decision_log.decision_log(log)),
         )
         return replaying.replay(request)
 

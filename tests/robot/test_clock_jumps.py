@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from incidents.incident_runs import AMPLE_BYTES, KeepingSink, rules_of
 from robot.small_graph import SmallGraph
 from robot.test_copied_topics import MemoryRelays
-from smarttestudo.domain.decision import Decision, Reason
+from smarttestudo.domain.decision import Decision, Reason, about_rates
 from smarttestudo.domain.robot import Endpoint, GraphChange, Instant, Payload, PollGraph, Subscription
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
@@ -82,7 +82,7 @@ class Watching(Part):
 def driven(graph: SetClock, *, seconds: int = 30) -> Watching:
     part = Watching()
     rules = LiveRules(rule_set=rules_of(RULES), output_topics={"/scan": "/testudo/scan"})
-    decisions = LiveDecisions(graph, [part.decisions.extend])
+    decisions = LiveDecisions(graph, [lambda some: part.decisions.extend(about_rates(some))])
     run = LiveRun(graph, InputRecorder(graph, Settings(), None), rules, decisions, parts=[part])
     run.drive(lambda: graph.passed_ns >= seconds * NS_PER_S)
     return part

@@ -13,7 +13,7 @@ from typing import cast
 from loop.loop_driver import rule_set_of
 from robot.status.statuses import STATUS
 from robot.status.virtual_robot import VirtualRobot
-from smarttestudo.domain.decision import Decision, PlannedRate, Reason
+from smarttestudo.domain.decision import AnyDecision, Decision, PlannedRate, Reason
 from smarttestudo.domain.names import DECISIONS_TOPIC, STATUS_TOPIC
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.status import TopicStatus
@@ -48,9 +48,9 @@ def test_a_decision_made_by_an_infinite_range_goes_out_with_null() -> None:
 
 def test_who_fails_to_take_decisions_is_given_no_more_and_all_others_are() -> None:
     robot = VirtualRobot()
-    kept: list[Decision] = []
+    kept: list[AnyDecision] = []
 
-    def keep(decisions: Sequence[Decision]) -> None:
+    def keep(decisions: Sequence[AnyDecision]) -> None:
         kept.extend(decisions)
 
     decisions = LiveDecisions(robot, [broken, keep])

@@ -215,6 +215,10 @@ class SmallRobot:
         """A process that sets parameters and calls services; see ``remote_control.py``."""
         return self._start([str(FOLDER / "remote_control.py")])
 
+    def acted(self) -> Process:
+        """A process with a node that rules act on; see ``acted_node.py``."""
+        return self._start([str(FOLDER / "acted_node.py")])
+
     def testudo_run(self, *arguments: str) -> Process:
         """``testudo run``."""
         return self._start(["-c", TESTUDO, "run", *self._on_path(arguments)])

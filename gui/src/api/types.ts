@@ -905,6 +905,13 @@ export interface NotCondition {
   term: Condition;
 }
 
+/** A text that a rule notifies while it holds, since `since_ns` on the robot's clock. */
+export interface Notice {
+  text: string;
+  rule: string | null;
+  since_ns: number;
+}
+
 /** Nothing passes. */
 export interface OffRate {
   kind: "off";
@@ -1559,6 +1566,7 @@ export interface RuntimeStatus {
   link?: LinkState;
   accepted?: Record<string, Omit<CommandTopic, "topic">>;
   incidents?: IncidentState;
+  notices?: Notice[];
   in_kb_per_s: number;
   out_kb_per_s: number;
   fallback: boolean;

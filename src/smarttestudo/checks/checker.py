@@ -7,14 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from smarttestudo.checks import blocks, bounds, conditions, patterns, rates, topics, words
+from smarttestudo.checks import actions, blocks, bounds, conditions, patterns, rates, topics, words
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.lint_rule import LintRule
 from smarttestudo.checks.rule_model import RuleModel, read_rule_model
 from smarttestudo.domain.finding import Finding, Span
 from smarttestudo.language.parser.rule_file import ParseResult
 
-_THEMES = (blocks, rates, bounds, patterns, topics, conditions, words)
+_THEMES = (blocks, rates, bounds, patterns, topics, conditions, words, actions)
 LINT_RULES = tuple(
     member for theme in _THEMES for member in vars(theme).values() if isinstance(member, LintRule)
 )

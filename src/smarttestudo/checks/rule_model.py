@@ -63,9 +63,9 @@ class RuleModel:
     ``relayed`` has the first SetFrequency or KeepAtLeast of each relayed topic, else the first KeepWithin,
     ``mentions`` the first mention of each topic by name, ``patterns`` all that stands for topics of a kind;
     ``glued`` are, by file, the words that follow a keyword without a blank between. A branch that sets no
-    rate is not among ``branches``, and ``recordings`` is every Record. Conditions are over states. Of
-    disabled blocks, only ``mentions``, ``disabled`` and ``disabled_checks`` tell. ``default_places`` are by
-    file.
+    rate is not among ``branches``; ``acting`` are those that set parameters, call or notify, and
+    ``recordings`` is every Record. Conditions are over states. Of disabled blocks, only ``mentions``,
+    ``disabled`` and ``disabled_checks`` tell. ``default_places`` are by file.
     """
 
     context: CheckContext
@@ -83,6 +83,7 @@ class RuleModel:
     glued: Mapping[str, tuple[Span, ...]]
     bounds: tuple[ResolvedBound, ...]
     recordings: tuple[ResolvedRecord, ...]
+    acting: tuple[Branch, ...]
     disabled: ResolvedRules
     disabled_checks: tuple[ResolvedCheck, ...]
     default_places: Mapping[str, DefaultPlace | None]
@@ -125,6 +126,9 @@ def read_rule_model(files: Sequence[RuleFile], context: CheckContext) -> RuleMod
         glued={file.path: file.glued for file in files if file.glued},
         bounds=rules.bounds,
         recordings=tuple(record for branch in rules.branches for record in branch.records),
+        acting=tuple(
+            _over_states(branch, blocks[branch.block.order]) for branch in rules.branches if branch.acts
+        ),
         disabled=disabled,
         disabled_checks=_checks(disabled),
         default_places={file.path: default_place(file) for file in files},

@@ -26,7 +26,7 @@ from smarttestudo.cli.recordings import (
     recordings_asked,
 )
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, about_rates
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
@@ -193,7 +193,7 @@ class _Replays(RecordingCommand["ReplayOutcome | InputsOutcome"]):
     @staticmethod
     def _replayed(
         arguments: argparse.Namespace, progress: Progress
-    ) -> tuple[ReplayOutcome | InputsOutcome, list[Decision]]:
+    ) -> tuple[ReplayOutcome | InputsOutcome, list[AnyDecision]]:
         """Replay one recording, or the inputs of a run, with the decisions."""
         if holds_inputs(arguments.bag):
             return _replayed_inputs(arguments)
@@ -262,7 +262,7 @@ def _require_separate(arguments: argparse.Namespace) -> None:
     )
 
 
-def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list[Decision]]:
+def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list[AnyDecision]]:
     """Decide anew over the inputs that a live run recorded."""
     from smarttestudo.replays.inputs import replay_inputs  # noqa: PLC0415  see measure
 
@@ -270,7 +270,7 @@ def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list
         if getattr(arguments, option) is not None:
             cause = f"{arguments.bag} holds recorded inputs, which come with their own rules"
             raise UsageError(cause, place=f"--{option}", remedy="leave it out")
-    decisions: list[Decision] = []
+    decisions: list[AnyDecision] = []
     with ExitStack() as opened:
         sinks = _kept_in(decisions, arguments)
         if arguments.decisions is not None:
@@ -278,15 +278,15 @@ def _replayed_inputs(arguments: argparse.Namespace) -> tuple[InputsOutcome, list
         return replay_inputs(arguments.bag, partial(_give, sinks)), decisions
 
 
-_Decided = Callable[[Sequence[Decision]], None]
+_Decided = Callable[[Sequence[AnyDecision]], None]
 
 
-def _kept_in(decisions: list[Decision], arguments: argparse.Namespace) -> list[_Decided]:
+def _kept_in(decisions: list[AnyDecision], arguments: argparse.Namespace) -> list[_Decided]:
     """Keep decisions where a report or a comparison needs them: a long recording may have a million."""
     return [decisions.extend] if arguments.report is not None or arguments.expect is not None else []
 
 
-def _give(sinks: Sequence[_Decided], decided: Sequence[Decision]) -> None:
+def _give(sinks: Sequence[_Decided], decided: Sequence[AnyDecision]) -> None:
     for sink in sinks:
         sink(decided)
 
@@ -297,10 +297,10 @@ def _replay(
     profile: Profile,
     rules: LoadedRules,
     progress: Progress,
-) -> tuple[ReplayOutcome, list[Decision]]:
+) -> tuple[ReplayOutcome, list[AnyDecision]]:
     from smarttestudo.replays.replay import ReplayRequest, replay  # noqa: PLC0415  see measure
 
-    decisions: list[Decision] = []
+    decisions: list[AnyDecision] = []
     with ExitStack() as opened:
         sinks = _kept_in(decisions, arguments)
         if arguments.report is not None:
@@ -322,7 +322,7 @@ def _replay(
                     output_topic=arguments.output_topic,
                     budget_kb_per_s=arguments.budget,
                     predict=_predicted(arguments.predict, rules.rule_set),
-                    decided=partial(_give, sinks),
+                    logged=partial(_give, sinks),
                     report=report,
                     incidents=_incidents(arguments, rules),
                 )
@@ -362,7 +362,7 @@ def _incidents(arguments: argparse.Namespace, rules: LoadedRules) -> IncidentReq
 def _report(
     arguments: argparse.Namespace,
     outcome: ReplayOutcome,
-    decisions: Sequence[Decision],
+    decisions: Sequence[AnyDecision],
     *,
     profile: Profile,
     rules: LoadedRules,
@@ -385,7 +385,7 @@ def _report(
         topics=tuple(output_topics),
         rule_set=rules.rule_set,
         rule_texts=rules.texts,
-        decisions=decisions,
+        decisions=about_rates(decisions),
         predict=arguments.predict,
         profile=profile,
         budget_kb_per_s=arguments.budget,

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from contextlib import ExitStack
 from functools import partial
 
+from smarttestudo.actions.part_kind import ACTIONS_PART, RESTORE_FILE
 from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.link_options import LinkWarnings, add_openmetrics, open_link, served_run
@@ -52,7 +53,7 @@ from smarttestudo.rules.rule_files import rule_files_named
 from smarttestudo.rules.rule_sets import FaultyRulesError
 
 EXIT_ERROR = 1
-PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART, vitals_part(INCIDENTS))
+PART_KINDS = (INCIDENTS_PART, OUTAGES_PART, LINK_PART, COMMANDS_PART, ACTIONS_PART, vitals_part(INCIDENTS))
 """What stands beside the loop of every run."""
 
 
@@ -156,6 +157,7 @@ def _require_separate(settings: Settings) -> None:
             "--record-inputs": None if recorded is None else recorded / INPUTS_FILE,
             "--incidents": settings[INCIDENTS],
             "--incident-ring": settings[INCIDENT_RING],
+            "--restore-file": settings[RESTORE_FILE],
         },
         (settings[PROFILE], *rule_files_named(settings[RULES])),
     )

@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Annotated
 
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import Decimals, JsonEntry, derived, entries_of, from_json
 from smarttestudo.domain.signal import Value
@@ -98,6 +99,26 @@ class Decision:
         # Both no rate yet and Full are null.
         is_first = isinstance(record, dict) and record.get("start", False)
         return replace(decision, from_rate=None if is_first else decision.from_rate or Rate.full())
+
+
+AnyDecision = Decision | ActionDecision
+"""What a decisions file has, one a line."""
+
+
+def decision_from_json(record: object) -> AnyDecision:
+    """The decision of one line. Raises ``ValueError`` where it is none."""
+    is_action = isinstance(record, dict) and "action" in record
+    return (ActionDecision if is_action else Decision).from_json(record)
+
+
+def about_rates(decisions: Iterable[AnyDecision]) -> list[Decision]:
+    """The ``decisions`` about topics."""
+    return [one for one in decisions if isinstance(one, Decision)]
+
+
+def about_actions(decisions: Iterable[AnyDecision]) -> list[ActionDecision]:
+    """The ``decisions`` about actions, with what came of them."""
+    return [one for one in decisions if isinstance(one, ActionDecision)]
 
 
 def bound_texts(within: Mapping[str, float], reasons: Mapping[str, BoundReason]) -> tuple[str, ...]:

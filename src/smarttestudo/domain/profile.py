@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from numbers import Real
 
+from smarttestudo.domain.action import ActionKind, ActRequest
 from smarttestudo.domain.rate import Tier
 
 
@@ -164,26 +165,46 @@ _EMPTY = TopicProfile()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
-    """Topics by full name, the link's budget in KB/s, and how long a lower rate waits, in seconds."""
+    """Topics by full name, the link's budget in KB/s, and how long a lower rate waits, in seconds.
+
+    ``allow_parameters`` are those that rules may set, by their node, ``allow_calls`` the services that rules
+    may call.
+    """
 
     budget_kb_per_s: float | None = None
     settle_s: float = 0.5
     topics: Mapping[str, TopicProfile] = field(default_factory=dict)
     path: str = ""
+    allow_parameters: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    allow_calls: frozenset[str] = frozenset()
+
+    def allows(self, action: ActRequest) -> bool:
+        """Whether rules may do it; anybody may be notified."""
+        match action.kind:
+            case ActionKind.SET_PARAMETER:
+                return action.parameter in self.allow_parameters.get(action.target, ())
+            case ActionKind.CALL:
+                return action.target in self.allow_calls
+            case ActionKind.NOTIFY:
+                return True
 
     def topic(self, name: str) -> TopicProfile:
         """The entry of ``name``, or an empty one."""
         return self.topics.get(name, _EMPTY)
 
     def resolved(self, resolve: Callable[[str], str]) -> Profile:
-        """This profile with every topic, also those paced with, by the name that ``resolve`` gives it."""
+        """This profile with every topic, node and service by the name that ``resolve`` gives it."""
         topics = {
             resolve(name): topic
             if topic.paced_with is None
             else replace(topic, paced_with=resolve(topic.paced_with))
             for name, topic in self.topics.items()
         }
-        return replace(self, topics=topics)
+        allowed: dict[str, frozenset[str]] = {}
+        for node, parameters in self.allow_parameters.items():
+            allowed[resolve(node)] = allowed.get(resolve(node), frozenset()) | parameters
+        calls = frozenset(map(resolve, self.allow_calls))
+        return replace(self, topics=topics, allow_parameters=allowed, allow_calls=calls)
 
 
 MAX_BUDGET_KB_PER_S = 1e9

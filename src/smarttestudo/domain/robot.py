@@ -21,6 +21,7 @@ from smarttestudo.domain.parameter import (
 
 if TYPE_CHECKING:
     from smarttestudo.domain.compiled_relay import CompiledRelays
+    from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.names import NAME_OPTION, STATUS_TOPIC
 from smarttestudo.domain.type_definition import TypeDefinition
 
@@ -199,6 +200,18 @@ class DiagnosticLevel(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ServiceAnswer:
+    """Answer of a service of std_srvs; one of Empty is always a success."""
+
+    is_success: bool
+    message: str
+
+
+Called = Callable[["ServiceAnswer | TestudoError"], None]
+"""Takes the answer of a service, or why there is none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Diagnostic:
     """One diagnostic_msgs/msg/DiagnosticStatus: ``name`` is what it is about, ``values`` are for reading."""
 
@@ -352,6 +365,12 @@ class Robot(Protocol):
 
     @property
     def remote_parameters(self) -> RemoteParameters: ...
+
+    def call_service(self, service: str, *, argument: bool | None, called: Called) -> None:
+        """Call a std_srvs service: Trigger or Empty, or SetBool with ``argument``.
+
+        ``called`` gets the answer or why there is none, once, within ``wait``; nothing else waits for it.
+        """
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time.

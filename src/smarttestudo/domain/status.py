@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Annotated
 
+from smarttestudo.domain.action import Notice
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import CommandTopic, LinkState, TopicOnLink
@@ -332,6 +333,8 @@ class RuntimeStatus:
     """The topics that are accepted of operators."""
     incidents: Annotated[IncidentState | None, JsonEntry(omits_default=True)] = None
     """What rules record, if that is carried out."""
+    notices: Annotated[tuple[Notice, ...], JsonEntry(is_lenient=True, omits_default=True)] = ()
+    """What rules notify of now."""
     sections: Annotated[Mapping[str, object], JsonEntry(is_rest=True)] = field(default_factory=dict)
     """What other parts tell of themselves: a record each, by its name; read from JSON, an object each."""
 

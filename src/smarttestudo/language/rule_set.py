@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Protocol
 
+from smarttestudo.domain.action import ActionKind, ActRequest
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.errors import RuleFileError
 from smarttestudo.domain.finding import Span
@@ -69,17 +70,6 @@ class RecordRequest:
     topics: tuple[str, ...]
     before_ns: int
     after_ns: int
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ActRequest:
-    """The request of a ``SetParameter``, ``Call`` or ``Notify``.
-
-    ``target`` is the full name of the node or service, empty for a note.
-    """
-
-    statement: Act
-    target: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -372,20 +362,10 @@ class _Compiler:
             margins=self._margins(branch.settings) or self._no_margins,
             bounds=self._tightest(branch.bounds) or self._no_bounds,
             recordings=tuple(map(_record_request, branch.records)),
-            acts=tuple(map(self._act_request, branch.acts)),
+            acts=tuple(act_request(act, self._resolve) for act in branch.acts),
             checks=() if branch.is_else else tuple(map(self._check_as_written, resolved.checks)),
             times=() if branch.is_else else tuple(map(self._time_as_written, times_in(block.condition))),
         )
-
-    def _act_request(self, act: Act) -> ActRequest:
-        match act:
-            case SetParameter():
-                target = self._resolve(act.node.text)
-            case CallService():
-                target = self._resolve(act.service.text)
-            case Notify():
-                target = ""
-        return ActRequest(statement=act, target=target)
 
     def _tightest(self, bounds: Iterable[ResolvedBound]) -> Mapping[str, Mapping[str, float]]:
         """Of several bounds of one property the tightest counts."""
@@ -427,6 +407,23 @@ def _record_request(record: ResolvedRecord) -> RecordRequest:
         before_ns=record.statement.before.ns,
         after_ns=record.statement.after.ns,
     )
+
+
+def act_request(act: Act, resolve: Resolve) -> ActRequest:
+    """The request of a statement, with the full name of the node or the service."""
+    match act:
+        case SetParameter(value=value):
+            is_whole = isinstance(value, float) and act.text.lstrip("+-").isdigit()
+            return ActRequest(
+                kind=ActionKind.SET_PARAMETER,
+                target=resolve(act.node.text),
+                parameter=act.parameter,
+                value=int(act.text) if is_whole else value,
+            )
+        case CallService():
+            return ActRequest(kind=ActionKind.CALL, target=resolve(act.service.text), value=act.argument)
+        case Notify():
+            return ActRequest(kind=ActionKind.NOTIFY, target=act.text)
 
 
 def _recording_all(block: RuleBlock, records: Sequence[ResolvedRecord], topics: tuple[str, ...]) -> RuleBlock:

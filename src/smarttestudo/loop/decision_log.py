@@ -9,8 +9,9 @@ import os
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, Decision, about_rates, decision_from_json
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.files.input_file import read_input
@@ -29,7 +30,7 @@ class DecisionLogError(TestudoError):
 
 
 @contextmanager
-def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
+def decision_log(path: Path) -> Iterator[Callable[[Iterable[AnyDecision]], None]]:
     """Write a log of decisions: the block is given a function that appends decisions.
 
     The log appears at ``path`` once the block ends well. It takes the place of another log, but of no other
@@ -42,7 +43,7 @@ def decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
 
 
 @contextmanager
-def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], None]]:
+def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[AnyDecision]], None]]:
     """Append to a log of decisions: the block is given a function that writes decisions to ``path`` at once.
 
     A crash loses none. Half a decision, with which a full disk or a power loss ended the log, is cut off.
@@ -55,7 +56,7 @@ def growing_decision_log(path: Path) -> Iterator[Callable[[Iterable[Decision]], 
     except OSError as error:
         raise not_written(path, _CONTENT, error) from error
 
-    def append(decisions: Iterable[Decision]) -> None:
+    def append(decisions: Iterable[AnyDecision]) -> None:
         try:
             file.write("".join(f"{decision_text(decision)}\n" for decision in decisions))
             file.flush()
@@ -88,7 +89,7 @@ def _is_first_of_log(line: bytes) -> bool:
     if not line.endswith(b"\n"):
         return _is_half_a_decision(line)
     try:
-        Decision.from_json(json.loads(line))
+        decision_from_json(json.loads(line))
     except (ValueError, RecursionError):
         return False
     return True
@@ -114,6 +115,11 @@ def _cut_half_a_line(path: Path) -> None:
 
 
 def read_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> list[Decision]:
+    """The decisions about topics in the file at ``path``; see ``read_all_decisions``."""
+    return about_rates(read_all_decisions(path, noticed))
+
+
+def read_all_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> list[AnyDecision]:
     """The decisions in the file at ``path``; ``noticed`` is told of a last line that was cut off.
 
     Raises ``DecisionLogError`` for a file that cannot be read, or with the line that is no decision.
@@ -131,20 +137,23 @@ def read_decisions(path: Path, noticed: Callable[[str], None] | None = None) -> 
     return [_parsed(line, f"{path}:{number}") for number, line in enumerate(lines, 1)]
 
 
-def _parsed(line: str, place: str) -> Decision:
+def _parsed(line: str, place: str) -> AnyDecision:
     try:
-        return Decision.from_json(json.loads(line))
+        return decision_from_json(json.loads(line))
     except (ValueError, RecursionError) as error:
         remedy = "give a file that --decisions wrote"
         raise DecisionLogError("not a decision", place=place, remedy=remedy) from error
 
 
-def decision_text(decision: Decision) -> str:
+def decision_text(decision: AnyDecision) -> str:
     """A decision as a line of JSON, in files and on ``/testudo/decisions``."""
     return json_text(decision.to_json(), ascii_only=False)
 
 
-def with_run_starts(decisions: Iterable[Decision]) -> Iterator[tuple[int, Decision]]:
+_Timed = TypeVar("_Timed", bound=AnyDecision)
+
+
+def with_run_starts(decisions: Iterable[_Timed]) -> Iterator[tuple[int, _Timed]]:
     """The ``decisions``, each with the stamp of the first one of its run.
 
     A file holds one run after the other, and each begins at 0: nothing of the one before holds then.

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, Decision, about_rates
 from smarttestudo.domain.observation import (
     Arrival,
     ClockJumped,
@@ -24,7 +24,7 @@ from smarttestudo.loop.inputs import ChangeInput, GraphInput, LoopInput, Message
 from smarttestudo.loop.knowledge.knowledge import Knowledge
 from smarttestudo.loop.relay import Relayed
 from smarttestudo.loop.relays import Relays
-from smarttestudo.loop.reload import RuleExchange, exchange_rules, made_by_reload
+from smarttestudo.loop.reload import RuleExchange, change_actions, exchange_rules, made_by_reload
 from smarttestudo.loop.step import Trigger, meter, step
 from smarttestudo.pacing.sample import WhenSlow
 
@@ -58,7 +58,7 @@ class RelayLoop:
         """What passed because of a step; it goes out with what the step was for."""
         self._watched = self.knowledge.watched.keys()
         self._sources: dict[str, SourceChanged] = {}
-        self._decisions: list[Decision] = []
+        self._decisions: list[AnyDecision] = []
         self.triggers: list[Trigger] = []
         """Blocks that began to record with the last input, or at the start."""
         self._now_ns = start_ns
@@ -148,10 +148,14 @@ class RelayLoop:
         knowledge = self.knowledge
         return RuleExchange(knowledge.rule_set, rule_set, knowledge.evaluator.values, yield_turn)
 
-    def take_decisions(self) -> list[Decision]:
-        """The decisions since the last call; at first, one for every relayed topic."""
+    def take_all_decisions(self) -> list[AnyDecision]:
+        """The decisions since the last call, in order; at first, one for every relayed topic."""
         decisions, self._decisions = self._decisions, []
         return decisions
+
+    def take_decisions(self) -> list[Decision]:
+        """Those of ``take_all_decisions`` that are about rates; the others are dropped."""
+        return about_rates(self.take_all_decisions())
 
     def take_turned_blocks(self) -> dict[int, Truth]:
         """Whether each block holds now, by order, of those that turned since the last call."""
@@ -209,6 +213,7 @@ class RelayLoop:
         if prepared is None or not prepared.fits(self.knowledge.rule_set, rule_set):
             prepared = RuleExchange(self.knowledge.rule_set, rule_set)
         self._decisions += exchange_rules(self.knowledge, prepared, profile, self._sources)
+        self._decisions += change_actions(self.knowledge)
         self._watched = self.knowledge.watched.keys()
         relayed += self.relays.change_topics(rule_set.relayed, profile, now_ns, floors_hz=rule_set.floors_hz)
         known = {*self._watched, *rule_set.relayed}
@@ -237,6 +242,7 @@ class RelayLoop:
         if result.decisions:
             self._decisions += map(relabel, result.decisions) if relabel else result.decisions
             self._freed += self.relays.apply(result.decisions, now_ns)
+        self._decisions += result.actions
 
     def _with_freed(self, relayed: Sequence[Relayed]) -> list[Relayed]:
         freed, self._freed = self._freed, []

@@ -4,10 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import SourceChanged
 from smarttestudo.domain.profile import Profile
@@ -20,7 +21,7 @@ from smarttestudo.language.rule_set import RuleBlock, RuleSet
 from smarttestudo.loop.knowledge.knowledge import Knowledge, watched_topics, watched_vitals
 from smarttestudo.loop.knowledge.watched_topic import WatchedTopic
 from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
-from smarttestudo.loop.step import still_recording
+from smarttestudo.loop.step import action_decisions, still_begun
 
 _GONE = -1
 """Stands for a block that the new rules do not have."""
@@ -130,7 +131,7 @@ def exchange_rules(
     now_ns = knowledge.time.now_ns
     order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
     ended = tuple(_end(knowledge, topic, now_ns) for topic in knowledge.order_of if topic not in order_of)
-    knowledge.recording = still_recording(knowledge, rule_set)
+    knowledge.begun = still_begun(knowledge, rule_set)
     knowledge.rule_set, knowledge.profile = rule_set, profile
     knowledge.order_of = order_of
     knowledge.settle_ns = ns_from_s(profile.settle_s)
@@ -149,6 +150,14 @@ def exchange_rules(
     if knowledge.link is not None:
         knowledge.link.change_rules(rule_set, profile)
     return ended
+
+
+def change_actions(knowledge: Knowledge) -> Iterator[ActionDecision]:
+    """Go on with what the blocks do that hold still, and end what the others did."""
+    now_ns = knowledge.time.now_ns
+    holding = [knowledge.rule_set.blocks[order] for order in knowledge.begun]
+    planned = knowledge.actions.change_rules(holding, knowledge.profile, now_ns)
+    yield from action_decisions(knowledge, planned, now_ns)
 
 
 def made_by_reload(decision: Decision) -> Decision:

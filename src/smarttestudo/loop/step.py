@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import NamedTuple
 
+from smarttestudo.domain.action import ActionDecision, ActionEvent
 from smarttestudo.domain.decision import Decision, PlannedRate, Reason
 from smarttestudo.domain.observation import (
     Arrival,
@@ -24,6 +25,7 @@ from smarttestudo.domain.signal import Truth, Value
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.evaluator import RequestedRate
 from smarttestudo.language.rule_set import RuleBlock, RuleSet
+from smarttestudo.loop.knowledge.action_plan import PlannedAction
 from smarttestudo.loop.knowledge.knowledge import Hysteresis, Knowledge
 from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
 from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
@@ -196,46 +198,83 @@ def _decision(
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trigger:
-    """A block with recordings began to hold at ``stamp_ns``, when its condition read ``values``."""
+    """A block that records or acts began to hold at ``stamp_ns``, when its condition read ``values``."""
 
     stamp_ns: int
     block: RuleBlock
     values: Mapping[str, Value | None]
 
 
-def triggers(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger]:
-    """The blocks that are now known to hold and were known not to since they last did.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ended:
+    """A block that records or acts is known to hold no more."""
+
+    block: RuleBlock
+
+
+def turns(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger | Ended]:
+    """The blocks that are now known to hold and were known not to since they last did, and the other way.
 
     A condition that is in doubt for a while has neither begun nor ended. ``now_ns`` is a steady time.
     """
-    for order, truth in knowledge.evaluator.take_turned_recordings():
-        if truth is Truth.FALSE:
-            knowledge.recording.discard(order)
-        elif truth is Truth.TRUE and order not in knowledge.recording:
-            knowledge.recording.add(order)
+    for order, truth in knowledge.evaluator.take_turned_acting():
+        block = knowledge.rule_set.blocks[order]
+        if truth is Truth.FALSE and order in knowledge.begun:
+            knowledge.begun.remove(order)
+            yield Ended(block=block)
+        elif truth is Truth.TRUE and order not in knowledge.begun:
+            knowledge.begun.add(order)
             yield Trigger(
                 stamp_ns=knowledge.time.on_clock(now_ns),
-                block=knowledge.rule_set.blocks[order],
+                block=block,
                 values=knowledge.values_of(order, now_ns),
             )
 
 
-def still_recording(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
+def act(knowledge: Knowledge, turned: Iterable[Trigger | Ended], now_ns: int) -> Iterator[ActionDecision]:
+    """What blocks do because they turned, and what waited until ``now_ns``, a steady time."""
+    plan = knowledge.actions
+    for turn in turned:
+        planned = (plan.begin if isinstance(turn, Trigger) else plan.end)(turn.block, now_ns)
+        yield from action_decisions(knowledge, planned, now_ns)
+    yield from action_decisions(knowledge, plan.advance(now_ns), now_ns)
+
+
+def action_decisions(
+    knowledge: Knowledge, planned: Iterable[PlannedAction], now_ns: int
+) -> Iterator[ActionDecision]:
+    """What was ``planned`` at ``now_ns``, with the values that made a block begin."""
+    for event, action, block, lasted_ns in planned:
+        yield ActionDecision(
+            t_s=(now_ns - knowledge.start_ns) / NS_PER_S,
+            stamp_ns=knowledge.time.on_clock(now_ns),
+            event=event,
+            action=action,
+            rule=block.label,
+            line=block.line,
+            values={} if event is ActionEvent.END else knowledge.values_of(block.order, now_ns),
+            lasted_s=None if lasted_ns is None else lasted_ns / NS_PER_S,
+        )
+
+
+def still_begun(knowledge: Knowledge, rule_set: RuleSet) -> set[int]:
     """The blocks of ``rule_set``, by order, that are written as those that hold: they do not begin again."""
-    holding = {written(knowledge.rule_set.blocks[order]) for order in knowledge.recording}
-    return {block.order for block in rule_set.blocks if block.recordings and written(block) in holding}
+    holding = {written(knowledge.rule_set.blocks[order]) for order in knowledge.begun}
+    acting = (block for block in rule_set.blocks if block.recordings or block.acts)
+    return {block.order for block in acting if written(block) in holding}
 
 
 def written(block: RuleBlock) -> object:
     """All that stays when other statements move the block, and comments change."""
-    records = None if block.name is not None else tuple(recording.name for recording in block.recordings)
-    return block.name, records, block.form
+    names = tuple(recording.name for recording in block.recordings)
+    return block.name, None if block.name is not None else (names, block.acts), block.form
 
 
 class StepResult(NamedTuple):
     """The plan of all relayed topics, what changed in it, and when to step next.
 
-    ``plan`` is a live view of the knowledge; ``triggers`` are the blocks that now begin to record.
+    ``plan`` is a live view of the knowledge; ``triggers`` are the blocks that now begin to record, and
+    ``actions`` is what blocks do.
     ``next_wake_ns`` is when time alone may next change the plan; it may come early, never late, and stepping
     later than it does no harm. ``None``: only observations can.
     """
@@ -244,6 +283,7 @@ class StepResult(NamedTuple):
     decisions: tuple[Decision, ...]
     next_wake_ns: int | None
     triggers: tuple[Trigger, ...] = ()
+    actions: tuple[ActionDecision, ...] = ()
 
 
 def step(knowledge: Knowledge, observations: Sequence[Observation], now_ns: int) -> StepResult:
@@ -255,9 +295,12 @@ def step(knowledge: Knowledge, observations: Sequence[Observation], now_ns: int)
     steady_ns = knowledge.time.advance(now_ns)
     readings = monitor(knowledge, observations, steady_ns)
     decisions = plan(knowledge, analyze(knowledge, readings, steady_ns), steady_ns)
+    turned = tuple(turns(knowledge, steady_ns)) if knowledge.evaluator.has_acting else ()
+    actions = tuple(act(knowledge, turned, steady_ns))
     return StepResult(
         plan=MappingProxyType(knowledge.plan),
         decisions=decisions,
         next_wake_ns=knowledge.next_wake_ns,
-        triggers=tuple(triggers(knowledge, steady_ns)) if knowledge.evaluator.has_recordings else (),
+        triggers=tuple(turn for turn in turned if isinstance(turn, Trigger) and turn.block.recordings),
+        actions=actions,
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarttestudo.bags.definitions import RosbagDecoder
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.observation import SourceChanged, Undecodable
@@ -50,7 +50,7 @@ class InputsOutcome:
 
 def replay_inputs(
     folder: Path,
-    decided: Callable[[Sequence[Decision]], None],
+    decided: Callable[[Sequence[AnyDecision]], None],
     *,
     until_ns: int = LAST_STAMP_NS,
     ended: Callable[[int, RelayLoop], None] | None = None,
@@ -98,9 +98,9 @@ class _Again:
         self._decoder = RosbagDecoder()
         self._channels: dict[str, Channel] = {}
 
-    def take_decisions(self) -> list[Decision]:
+    def take_decisions(self) -> list[AnyDecision]:
         """Decisions since the last call."""
-        decisions = self.loop.take_decisions()
+        decisions = self.loop.take_all_decisions()
         self.decisions += len(decisions)
         return decisions
 

@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.decision import Decision, PlannedRate
+from smarttestudo.domain.decision import Decision, PlannedRate, about_rates
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, is_own_topic
 from smarttestudo.domain.profile import Profile
@@ -106,7 +106,7 @@ def reason_in_inputs(folder: Path, topic: str, at_ns: int) -> RateReason:
     reasons: list[RateReason] = []
     replay_inputs(
         folder,
-        decisions.extend,
+        lambda decided: decisions.extend(about_rates(decided)),
         until_ns=at_ns,
         ended=lambda end_ns, loop: reasons.append(_reason_of_loop(loop, topic, end_ns, decisions)),
     )

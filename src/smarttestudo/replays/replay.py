@@ -15,7 +15,7 @@ from pathlib import Path
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.type_definitions import rules_for
 from smarttestudo.bags.writer import create_recording
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, Decision, about_rates
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.names import TOPIC_PLACEHOLDER
 from smarttestudo.domain.observation import SourceChanged, Undecodable
@@ -66,13 +66,14 @@ class ReplayRequest:
     """An opened recording, the rules, and the folder of the new recording, if there is to be one.
 
     Of topics in ``predict``, receivers show dead reckoning. ``output_topic`` names output topics, with
-    ``{topic}`` for the source's full name. ``decided`` is given decisions in order, some at a time,
-    ``report`` the share of the recording that is done, 0 … 1. Where there is a ``writer``, it takes what
-    is relayed, and no recording is made; ``arrived`` is shown every message, ``stepped`` the
-    time and the loop whenever that may have changed. ``incidents`` asks for what the rules record. Messages
-    of topics in ``left_out`` are not relayed: nothing must depend on them. The replay ends at ``until_ns``,
-    if that is before the recording does, and ``ended`` is shown that time and the loop. A new recording also
-    has the decisions, on the topic of a live run; those that the recording may have are left out.
+    ``{topic}`` for the source's full name. ``decided`` is given decisions about topics in order, some at a
+    time, ``logged`` all decisions, ``report`` the share of the recording that is done, 0 … 1. Where there is
+    a ``writer``, it takes what is relayed, and no recording is made; ``arrived`` is shown every message,
+    ``stepped`` the time and the loop whenever that may have changed. ``incidents`` asks for what the rules
+    record. Messages of topics in ``left_out`` are not relayed: nothing must depend on them. The replay ends
+    at ``until_ns``, if that is before the recording does, and ``ended`` is shown that time and the loop. A
+    new recording also has the decisions, on the topic of a live run; those that the recording may have are
+    left out.
     """
 
     recording: RecordingReader
@@ -85,6 +86,7 @@ class ReplayRequest:
     budget_kb_per_s: float | None = None
     predict: Collection[str] = ()
     decided: Callable[[Sequence[Decision]], None] = _ignore
+    logged: Callable[[Sequence[AnyDecision]], None] = _ignore
     report: Callable[[float], None] = _ignore
     writer: RecordingWriter | None = None
     arrived: Callable[[Channel, int, bytes], None] | None = None
@@ -224,7 +226,7 @@ class _Run:
         self.decoded: frozenset[str] = frozenset()
         """The topics whose messages must come decoded, once the run began."""
         self._decisions = 0
-        self._untold: list[Decision] = []
+        self._untold: list[AnyDecision] = []
         self._decisions_channel = decisions_channel() if request.is_recorded else None
         self.until_ns = request.until_ns
         self._request = request
@@ -293,7 +295,7 @@ class _Run:
 
     def _record_decisions(self, channel: Channel) -> None:
         """Write what was decided, before any message that passes because of it."""
-        for decision in self._loop.take_decisions():
+        for decision in self._loop.take_all_decisions():
             self._untold.append(decision)
             self._writer.write(channel, decision.stamp_ns, string_message(decision_text(decision)))
 
@@ -411,10 +413,11 @@ class _Run:
 
     def _report(self, stamp_ns: int) -> int:
         """Hand on decisions and progress; how many ns of the recording to go until the next time."""
-        decisions, self._untold = [*self._untold, *self._loop.take_decisions()], []
+        decisions, self._untold = [*self._untold, *self._loop.take_all_decisions()], []
         if decisions:
             self._decisions += len(decisions)
-            self._request.decided(decisions)
+            self._request.decided(about_rates(decisions))
+            self._request.logged(decisions)
         recording = self._request.recording
         duration_ns = max(recording.end_ns - recording.start_ns, 1)
         self._request.report((stamp_ns - recording.start_ns) / duration_ns)

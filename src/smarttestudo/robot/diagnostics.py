@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from smarttestudo.domain.action import Notice
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import CommandTopic
 from smarttestudo.domain.metric import metered_fields
@@ -15,7 +16,8 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
 from smarttestudo.domain.status import Fallback, RuntimeStatus, Silence, TopicStatus
-from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped
+from smarttestudo.domain.texts import visible
+from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped, utc_time
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
 LOST_BEFORE_RELAY = "lost before relay"
@@ -52,8 +54,9 @@ class Health:
 
 
 def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
-    """One for the node, then one for each topic, under the name of its output."""
-    return [_of_node(status), *(_of_topic(status, source) for source in status.topics)]
+    """One for the node, one for each topic, under the name of its output, and one for each notice."""
+    topics = (_of_topic(status, source) for source in status.topics)
+    return [_of_node(status), *topics, *(_of_notice(status, notice) for notice in status.notices)]
 
 
 def _of_node(status: RuntimeStatus) -> Diagnostic:
@@ -145,6 +148,18 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
             **_own_values(source, topic),
             **({} if link is None else {f"link_{key}": value for key, value in _numbers(link).items()}),
         },
+    )
+
+
+def _of_notice(status: RuntimeStatus, notice: Notice) -> Diagnostic:
+    """What a rule notifies of, for as long as it does; the text may be anything."""
+    rule = visible(notice.rule or "")
+    return Diagnostic(
+        name=f"{status.node.lstrip('/')}: {rule}",
+        level=DiagnosticLevel.WARN,
+        message=visible(notice.text),
+        hardware_id=status.node,
+        values={"rule": rule, "since": utc_time(notice.since_ns)},
     )
 
 

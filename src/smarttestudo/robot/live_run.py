@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.compiled_relay import MessageCopy
 from smarttestudo.domain.errors import error_at
 from smarttestudo.domain.observation import ClockJumped, LinkBudget
@@ -67,6 +68,7 @@ class LiveRun:
         self._publishing = [part for part in parts if _does(part, "before_publish")]
         self._waking = [part for part in parts if _does(part, "on_wake")]
         self._decisions = decisions
+        self._outcomes: list[ActionDecision] = []
         self.rules = rules
         self._follow_parts(now_ns)
         for part in parts:
@@ -106,9 +108,11 @@ class LiveRun:
                 self._robot.every(part.poll_s, part.poll)
         try:
             while not stopped():
-                self._report()
-                self._robot.wait(self._wake_ns, POLL_PERIOD_S)
-                self._wake()
+                self._turn()
+            for part in self._parts:
+                part.finish()
+            while any(part.is_busy for part in self._parts):
+                self._turn()
             self._report()
         finally:
             self._compiled.close()
@@ -116,6 +120,15 @@ class LiveRun:
                 topic.losses.close()
             for part in self._parts:
                 part.close()
+
+    def _turn(self) -> None:
+        self._report()
+        self._robot.wait(self._wake_ns, POLL_PERIOD_S)
+        self._wake()
+
+    def note(self, outcome: ActionDecision) -> None:
+        """Have what came of an action stand beside the decisions."""
+        self._outcomes.append(outcome)
 
     def reload(self, rules: LiveRules, prepared: RuleExchange | None = None) -> None:
         """Put other rules in force; to be called between two messages, that is, within ``Robot.wait``.
@@ -386,7 +399,8 @@ class LiveRun:
         return status, self.loop.block_states(now_ns, most_blocks)
 
     def _report(self) -> None:
-        decisions = self.loop.take_decisions()
+        outcomes, self._outcomes = self._outcomes, []
+        decisions = [*self.loop.take_all_decisions(), *outcomes]
         if decisions:
             self._decisions.report(decisions)
             self._choose_paths(self._now_ns())

@@ -9,7 +9,8 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.action import ActionDecision
+from smarttestudo.domain.decision import AnyDecision
 from smarttestudo.domain.link import IncomingCommands
 from smarttestudo.domain.robot import Payload, Robot, Subscription
 from smarttestudo.domain.status import RuntimeStatus
@@ -41,6 +42,9 @@ class RunView(Protocol):
 
     def give(self, given: ChangeInput | WakeInput) -> None:
         """Give the loop a change or the time, and relay what comes of it."""
+
+    def note(self, outcome: ActionDecision) -> None:
+        """Have what came of an action stand beside the decisions."""
 
 
 class Part:
@@ -117,7 +121,7 @@ class Part:
     def on_clock_jump(self, ahead_ns: int) -> None:
         """The clock jumped ahead by so much since the last call of any method: that time did not pass."""
 
-    def on_decisions(self, decisions: Sequence[Decision]) -> None:
+    def on_decisions(self, decisions: Sequence[AnyDecision]) -> None:
         """Decisions were taken. If it raises, it gets no more."""
 
     def added_to(self, status: RuntimeStatus) -> RuntimeStatus:
@@ -126,6 +130,14 @@ class Part:
 
     def on_status(self, status: RuntimeStatus) -> None:
         """A status is complete and about to be published."""
+
+    def finish(self) -> None:
+        """The run is about to end; it goes on for as long as the part ``is_busy``."""
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether the run has to go on, some seconds at most, once it was told to ``finish``."""
+        return False
 
     def close(self) -> None:
         """The run drives no more; its node is still there."""

@@ -197,6 +197,23 @@ class _ProfileReader:
             raise self._error(at, f"{name!r} is not a valid ROS 2 topic name")
         return resolve_topic(name)
 
+    def allowed_parameters(self, at: KeyPath, values: object) -> dict[str, frozenset[str]]:
+        if not isinstance(values, Mapping):
+            remedy = 'write it as in "/camera_driver" = ["jpeg_quality"]'
+            raise self._error(at, f"{self._named(at)} must be a table of nodes", remedy=remedy)
+        return {
+            self.topic_name((*at, node), node): frozenset(self._names((*at, node), names, self.text))
+            for node, names in values.items()
+        }
+
+    def allowed_calls(self, at: KeyPath, values: object) -> frozenset[str]:
+        return frozenset(self._names(at, values, self.topic_name))
+
+    def _names(self, at: KeyPath, values: object, read: Callable[[KeyPath, object], str]) -> list[str]:
+        if not isinstance(values, list):
+            raise self._error(at, f"{self._named(at)} must be a list of names")
+        return [read(at, value) for value in values]
+
     def level_unit(self, at: KeyPath, value: object) -> LevelUnit:
         for unit in LevelUnit:
             if unit.value == value:
@@ -293,6 +310,20 @@ _TOP: Mapping[str, _Key] = {
     "budget_kb_per_s": _in_range(_BUDGET, "what all relayed topics together may take, in KB/s"),
     "settle_s": _in_range(
         _SETTLE, "how long nothing must ask for more before a rate falls, in s; 0.5 if not given"
+    ),
+    "allow_parameters": _Key(
+        meaning="parameters that rules may set, a list for each node",
+        read=_ProfileReader.allowed_parameters,
+        schema={
+            "type": "object",
+            "propertyNames": _TOPIC_NAME,
+            "additionalProperties": {"type": "array", "items": {"type": "string", "minLength": 1}},
+        },
+    ),
+    "allow_calls": _Key(
+        meaning="services that rules may call",
+        read=_ProfileReader.allowed_calls,
+        schema={"type": "array", "items": _TOPIC_NAME},
     ),
     "topics": _Key(
         meaning='a table for each topic, as in [topics."/odom"]',

@@ -165,7 +165,7 @@ def seen_of(evaluator: Evaluator) -> object:
         [(evaluator.truth(order), evaluator.changed_ns(order)) for order in orders],
         evaluator.decide("/a"),
         evaluator.next_alarm_ns,
-        evaluator.take_turned_recordings(),
+        evaluator.take_turned_acting(),
         evaluator.values,
     )
 

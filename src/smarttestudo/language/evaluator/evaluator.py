@@ -53,10 +53,10 @@ class Evaluator:
         self._changed_topics = set(self._arbiters)
         self._changed_blocks: set[int] = set()
         self._changed_ns = [start_ns] * len(rule_set.blocks)
-        self._recording = {block.order for block in rule_set.blocks if block.recordings}
-        self.has_recordings = bool(self._recording)
-        self._turned_recordings: list[tuple[int, Truth]] = []
-        self._has_started_to_record = True
+        self._acting = {block.order for block in rule_set.blocks if block.recordings or block.acts}
+        self.has_acting = bool(self._acting)
+        self._turned_acting: list[tuple[int, Truth]] = []
+        self._has_started_to_act = True
         self._propagation = Propagation(graph, self._block_changed, start_ns)
 
     @property
@@ -93,8 +93,8 @@ class Evaluator:
         """Have the time begin at ``now_ns``, in place of when this was made: nothing has happened yet."""
         self._changed_ns = [now_ns] * len(self._changed_ns)
         self._propagation.now_ns = now_ns
-        self._turned_recordings = []
-        self._has_started_to_record = False
+        self._turned_acting = []
+        self._has_started_to_act = False
 
     def dismantle(self, yield_turn: Yield = never_yield) -> None:
         """Let go of every part, piece by piece: what holds each other is else freed in one long stop."""
@@ -139,14 +139,14 @@ class Evaluator:
         changed, self._changed_blocks = self._changed_blocks, set()
         return changed
 
-    def take_turned_recordings(self) -> list[tuple[int, Truth]]:
-        """The blocks with recordings, by order, and what they turned to since the last call, in order."""
+    def take_turned_acting(self) -> list[tuple[int, Truth]]:
+        """The blocks that record or act, by order, and what they turned to since the last call, in order."""
         self._propagation.settle()
-        turned, self._turned_recordings = self._turned_recordings, []
-        if not self._has_started_to_record:
+        turned, self._turned_acting = self._turned_acting, []
+        if not self._has_started_to_act:
             # Until now all were unknown, whatever was foreseen.
-            self._has_started_to_record = True
-            known = [(order, self.truth(order)) for order in sorted(self._recording)]
+            self._has_started_to_act = True
+            known = [(order, self.truth(order)) for order in sorted(self._acting)]
             return [(order, truth) for order, truth in known if truth is not Truth.UNKNOWN]
         return turned
 
@@ -210,8 +210,8 @@ class Evaluator:
     def _block_changed(self, order: int, before: int, after: int) -> None:
         self._changed_blocks.add(order)
         self._changed_ns[order] = self._propagation.now_ns
-        if order in self._recording:
-            self._turned_recordings.append((order, Truth(after)))
+        if order in self._acting:
+            self._turned_acting.append((order, Truth(after)))
         for topic, move in self._entries[order]:
             move(before, after)
             self._changed_topics.add(topic)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, about_rates
 from smarttestudo.domain.metric import Metric, MetricKind, MetricName
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.link.openmetrics.status import status_metrics
@@ -32,8 +32,8 @@ class RunMetrics(Part):
     def on_status(self, status: RuntimeStatus) -> None:
         self._status = status
 
-    def on_decisions(self, decisions: Sequence[Decision]) -> None:
-        self._decisions += len(decisions)
+    def on_decisions(self, decisions: Sequence[AnyDecision]) -> None:
+        self._decisions += len(about_rates(decisions))
 
     def metrics(self) -> list[Metric]:
         status = self._status

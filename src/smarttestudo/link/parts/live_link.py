@@ -11,6 +11,7 @@ from dataclasses import replace
 from smarttestudo.domain.decision import PlannedRate
 from smarttestudo.domain.errors import TestudoError, testudo_error
 from smarttestudo.domain.link import LinkNeeds, OutgoingLink, Prediction, StreamCounts, TopicOnLink
+from smarttestudo.domain.names import DECISIONS_TOPIC
 from smarttestudo.domain.observation import LinkBudget, ListenersChanged, ReceiversReckon
 from smarttestudo.domain.parameter import Answer, GetParameters, GetTopics, Question, SetParameters
 from smarttestudo.domain.robot import Robot, topic_types
@@ -153,6 +154,8 @@ class LinkWatch:
             )
             for topic, output in rules.output_topics.items()
         }
+        # What a rule notifies of goes before all topics.
+        needs[DECISIONS_TOPIC] = LinkNeeds(priority=math.inf)
         if needs != self._needs:
             self._needs = needs
             self._link.follow(needs)

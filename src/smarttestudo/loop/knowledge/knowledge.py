@@ -21,6 +21,7 @@ from smarttestudo.language.evaluator import Evaluator, RequestedRate
 from smarttestudo.language.normal_form import reads
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.language.text_region import SetOfValues
+from smarttestudo.loop.knowledge.action_plan import ActionPlan
 from smarttestudo.loop.knowledge.link_use import LinkUse
 from smarttestudo.loop.knowledge.watched_topic import Reading, WatchedTopic
 from smarttestudo.loop.knowledge.watched_vitals import WatchedVitals
@@ -180,8 +181,8 @@ class Knowledge:
     checks read, ``vitals`` what they read of the machine and the link; ``settled`` are the requests that
     settled, before ``link`` cuts them to a budget, if there is one; ``without_subscribers`` are relayed
     topics. ``unknown_values`` counts messages that left a signal unknown, ``undecodable`` those that could
-    not be decoded, by topic. ``recording`` are the blocks with recordings, by order, that began to hold and
-    are not known to have ended.
+    not be decoded, by topic. ``begun`` are the blocks that record or act, by order, that began to hold and
+    are not known to have ended; ``actions`` is what they do.
     """
 
     def __init__(
@@ -212,7 +213,8 @@ class Knowledge:
         self.order_of = {topic: place for place, topic in enumerate(rule_set.relayed)}
         self.unknown_values: Counter[Signal] = Counter()
         self.undecodable: Counter[str] = Counter()
-        self.recording: set[int] = set()
+        self.begun: set[int] = set()
+        self.actions = ActionPlan(profile)
 
     def set_budget(self, budget: LinkBudget) -> None:
         """The relayed topics may take so much from now on: the lesser of what was set and measured."""
@@ -275,7 +277,8 @@ class Knowledge:
         """When, on the clock, time alone may next change the plan; it may come early, never late."""
         check_ns = None if self.link is None else self.link.next_check_ns
         rules_ns = self.evaluator.next_alarm_ns
-        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, rules_ns, check_ns)
+        actions_ns = self.actions.next_wake_ns
+        times_ns = (self.watch_alarms.next_ns, self.settle_alarms.next_ns, rules_ns, check_ns, actions_ns)
         earliest_ns = min([at_ns for at_ns in times_ns if at_ns is not None], default=None)
         return None if earliest_ns is None else self.time.on_clock(earliest_ns)
 

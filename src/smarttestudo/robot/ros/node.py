@@ -24,6 +24,7 @@ from smarttestudo.domain.parameter import (
     Values,
 )
 from smarttestudo.domain.robot import (
+    Called,
     DataPath,
     DataPathKind,
     Diagnostic,
@@ -45,11 +46,12 @@ from smarttestudo.robot.ros.message_types import (
     type_definition,
 )
 from smarttestudo.robot.ros.node_log import node_log
-from smarttestudo.robot.ros.parameters import REMOTE_POLL_PERIOD_S, NodeParameterClients, NodeParameters
+from smarttestudo.robot.ros.parameters import NodeParameterClients, NodeParameters
 from smarttestudo.robot.ros.qos import further_policies, is_reliable, is_transient_local, qos_profile
 from smarttestudo.robot.ros.rclpy_path import RclpyPath, RclpyPublisher
 from smarttestudo.robot.ros.real_timers import GraphPolls, RealTimers
 from smarttestudo.robot.ros.ros_errors import ros_errors
+from smarttestudo.robot.ros.service_clients import REMOTE_POLL_PERIOD_S, ServiceClients
 from smarttestudo.robot.ros.shared_memory import is_fast_dds, room_for_large_messages, senders_remedy
 from smarttestudo.robot.ros.status_players import StatusPlayers
 
@@ -116,7 +118,7 @@ class RosNode:
         self._poll_clock()
         self.every(CLOCK_PERIOD_S, self._poll_clock)
         self._parameters = NodeParameters(node)
-        self._remote_parameters: NodeParameterClients | None = None
+        self._services: ServiceClients | None = None
         self._status_players = StatusPlayers(time.monotonic)
 
     @property
@@ -255,10 +257,10 @@ class RosNode:
     @property
     def remote_parameters(self) -> RemoteParameters:
         """Parameters of other nodes."""
-        if self._remote_parameters is None:
-            self._remote_parameters = NodeParameterClients(self._node, time.monotonic)
-            self.every(REMOTE_POLL_PERIOD_S, self._remote_parameters.poll)
-        return self._remote_parameters
+        return NodeParameterClients(self._open_services())
+
+    def call_service(self, service: str, *, argument: bool | None, called: Called) -> None:
+        self._open_services().call(service, argument=argument, called=called)
 
     def every(self, period_s: float, act: Callable[[], float | None]) -> None:
         """Have ``act`` called again and again, in real time; after what it returns, or ``period_s``."""
@@ -285,6 +287,12 @@ class RosNode:
     def close(self) -> None:
         """Receive and send nothing more."""
         self._opened.close()
+
+    def _open_services(self) -> ServiceClients:
+        if self._services is None:
+            self._services = ServiceClients(self._node, time.monotonic)
+            self.every(REMOTE_POLL_PERIOD_S, self._services.poll)
+        return self._services
 
     def _open_data_path(self) -> RclPath | RclpyPath:
         if self._data_path is None:

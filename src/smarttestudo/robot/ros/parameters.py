@@ -4,15 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import rclpy.parameter
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rcl_interfaces.srv import GetParameters, SetParameters
-from rclpy.exceptions import NameValidationException, ParameterException
+from rclpy.exceptions import ParameterException
 
 from smarttestudo.domain.errors import RosError, UsageError, said
 from smarttestudo.domain.parameter import (
@@ -22,12 +20,11 @@ from smarttestudo.domain.parameter import (
     Parameter,
     ParameterValue,
     Refusals,
-    SilentNodeError,
     Values,
     WasSet,
 )
 from smarttestudo.domain.texts import in_utf_8
-from smarttestudo.robot.ros.ros_errors import ros_errors
+from smarttestudo.robot.ros.service_clients import ServiceClients
 
 
 class NodeParameters:
@@ -134,41 +131,14 @@ def plain_value(value: Any) -> ParameterValue:
         return str(value)
 
 
-REMOTE_POLL_PERIOD_S = 0.05
-ANSWER_WITHIN_S = 5.0
-# Clients of a node that is not used any more are kept no longer than this.
-_KEPT_S = 60.0
-
-
-@dataclass(slots=True)
-class _Client:
-    handle: Any
-    used_s: float
-
-
-@dataclass(slots=True, eq=False)
-class _Call:
-    """A request that was sent once ``future`` is there; ``answered`` takes the response or the error."""
-
-    client: _Client
-    request: Any
-    answered: Callable[[Any], None]
-    node: str
-    until_s: float
-    future: Any = None
+_REMEDY = "check that `testudo run` is still running, in the same ROS domain"
 
 
 class NodeParameterClients:
-    """Gets and sets parameters of other nodes through clients of ``node``, on the thread of its executor.
+    """Gets and sets parameters of other nodes through ``clients``."""
 
-    ``poll`` is to be called often: it sends what waits for a service to be found, and gives up in time.
-    """
-
-    def __init__(self, node: Any, steady_s: Callable[[], float]) -> None:
-        self._node = node
-        self._steady_s = steady_s
-        self._clients: dict[tuple[str, Any], _Client] = {}
-        self._calls: list[_Call] = []
+    def __init__(self, clients: ServiceClients) -> None:
+        self._clients = clients
 
     def get(self, node: str, names: Sequence[str], got: Got) -> None:
         """The values of parameters of ``node``; one that it does not have is ``None``."""
@@ -183,7 +153,9 @@ class NodeParameterClients:
             padded = values + [None] * (len(names) - len(values))
             got({name: plain_value(value) for name, value in zip(names, padded, strict=False)})
 
-        self._call(GetParameters, "get_parameters", node, request, answered)
+        self._clients.request(
+            GetParameters, f"{node}/get_parameters", request, answered, place=node, remedy=_REMEDY
+        )
 
     def set(self, node: str, values: Values, was_set: WasSet) -> None:
         """Have ``node`` give its parameters these values, each by itself."""
@@ -196,65 +168,7 @@ class NodeParameterClients:
             results = zip(values, response.results, strict=False)
             was_set({name: one.reason for name, one in results if not one.successful})
 
-        self._call(
-            SetParameters, "set_parameters", node, SetParameters.Request(parameters=parameters), answered
-        )
-
-    def poll(self) -> None:
-        """Send what can be sent, and give up on what took too long."""
-        now_s = self._steady_s()
-        for call in [*self._calls]:
-            if now_s >= call.until_s:
-                self._give_up(call)
-            elif call.future is None and call.client.handle.service_is_ready():
-                self._send(call)
-        busy = [call.client for call in self._calls]
-        for key, client in [*self._clients.items()]:
-            if client.used_s + _KEPT_S < now_s and client not in busy:
-                del self._clients[key]
-                self._node.destroy_client(client.handle)
-
-    def _call(
-        self, kind: Any, service: str, node: str, request: Any, answered: Callable[[Any], None]
-    ) -> None:
-        now_s = self._steady_s()
-        client = self._clients.get((node, kind))
-        try:
-            if client is None:
-                client = self._clients[node, kind] = self._new_client(kind, f"{node}/{service}", now_s)
-        except RosError as error:
-            answered(error)
-            return
-        client.used_s = now_s
-        self._calls.append(_Call(client, request, answered, node, now_s + ANSWER_WITHIN_S))
-        self.poll()
-
-    def _new_client(self, kind: Any, service: str, now_s: float) -> _Client:
-        with ros_errors(service):
-            try:
-                return _Client(self._node.create_client(kind, service), now_s)
-            except NameValidationException as error:
-                raise RosError("this is not the name of a node", place=service) from error
-
-    def _send(self, call: _Call) -> None:
-        call.future = call.client.handle.call_async(call.request)
-        call.future.add_done_callback(partial(self._done, call))
-
-    def _done(self, call: _Call, future: Any) -> None:
-        if call not in self._calls:
-            return
-        self._calls.remove(call)
-        error = future.exception()
-        call.answered(future.result() if error is None else RosError(str(error), place=call.node))
-
-    def _give_up(self, call: _Call) -> None:
-        self._calls.remove(call)
-        if call.future is not None:
-            call.client.handle.remove_pending_request(call.future)
-        call.answered(
-            SilentNodeError(
-                f"the node did not answer within {ANSWER_WITHIN_S:g} s",
-                place=call.node,
-                remedy="check that `testudo run` is still running, in the same ROS domain",
-            )
+        request = SetParameters.Request(parameters=parameters)
+        self._clients.request(
+            SetParameters, f"{node}/set_parameters", request, answered, place=node, remedy=_REMEDY
         )
