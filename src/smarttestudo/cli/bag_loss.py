@@ -29,7 +29,7 @@ from smarttestudo.cli.commands import CommandParser
 from smarttestudo.cli.finding_text import print_findings
 from smarttestudo.cli.output import Progress, write_lines
 from smarttestudo.cli.recordings import RecordingCommand, each_recording, pairs_asked
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, about_rates
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import column_types
@@ -169,7 +169,7 @@ def _decisions(
     # What patterns bound is known where A is read.
     if not rule_set.patterns and not any(map(partial(needs_decisions, rule_set), bounded_topics(rule_set))):
         return ()
-    if kept := kept_decisions(arguments.b, arguments.a):
+    if kept := about_rates(kept_decisions(arguments.b, arguments.a)):
         return kept
     with progress(f"Deciding over {arguments.a}") as report:
         return decisions_over(arguments.a, rule_set, profile, report)

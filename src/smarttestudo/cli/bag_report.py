@@ -41,13 +41,14 @@ from smarttestudo.cli.recordings import (
     pairs_asked,
     recordings_in,
 )
+from smarttestudo.domain.decision import about_actions, about_rates
 from smarttestudo.domain.errors import TestudoError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import column_types, to_json
 from smarttestudo.files.outputs import require_separate
 from smarttestudo.files.whole_file import whole_file
-from smarttestudo.loop.decision_log import read_decisions
+from smarttestudo.loop.decision_log import read_all_decisions
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_files import rule_files_named, sha256_of
 from smarttestudo.rules.rule_sets import LoadedRules, load_rules
@@ -373,6 +374,9 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
         "Decisions": arguments.decisions,
         "Map": arguments.nav2_map,
     }
+    decided = kept_decisions(b, a)
+    if arguments.decisions is not None:
+        decided = read_all_decisions(arguments.decisions, print_notice)
     return bag_report(
         ReportRequest(
             a=a,
@@ -386,9 +390,8 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,
             rule_texts=rules.texts if rules else {},
-            decisions=read_decisions(arguments.decisions, print_notice)
-            if arguments.decisions
-            else kept_decisions(b, a),
+            decisions=about_rates(decided),
+            actions=about_actions(decided),
             predict=arguments.predict,
             profile=profile,
             budget_kb_per_s=arguments.budget,

@@ -26,7 +26,7 @@ from smarttestudo.cli.recordings import (
     recordings_asked,
 )
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.decision import AnyDecision, about_rates
+from smarttestudo.domain.decision import AnyDecision, about_actions, about_rates
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.incident import DEFAULT_INCIDENT_MEMORY_MB
 from smarttestudo.domain.names import resolve_topic
@@ -386,6 +386,7 @@ def _report(
         rule_set=rules.rule_set,
         rule_texts=rules.texts,
         decisions=about_rates(decisions),
+        actions=about_actions(decisions),
         predict=arguments.predict,
         profile=profile,
         budget_kb_per_s=arguments.budget,

@@ -18,7 +18,8 @@ from smarttestudo.cli.link_options import add_connect, warn
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.robots import add_any_robot, open_chosen_robot
 from smarttestudo.cli.tables import print_table
-from smarttestudo.domain.decision import PlannedRate, bound_texts
+from smarttestudo.domain.action import ActionDecision, action_line
+from smarttestudo.domain.decision import Decision, PlannedRate, about_rates, bound_texts
 from smarttestudo.domain.errors import ProfileError, RuleFileError, UsageError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import resolve_topic
@@ -37,11 +38,12 @@ from smarttestudo.language.parser import parse
 from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.loop.block_states import values_in
-from smarttestudo.loop.decision_log import read_decisions
+from smarttestudo.loop.decision_log import read_all_decisions
 from smarttestudo.loop.input_log import holds_inputs, read_inputs
 from smarttestudo.replays.moment import (
     AtNs,
     RateReason,
+    actions_at,
     reason_by_rules,
     reason_in_decisions,
     reason_in_inputs,
@@ -67,7 +69,11 @@ def add_arguments(parser: CommandParser) -> None:
         "Say which rate a topic has, which rule decided it, what the rules read, and the nearest border of "
         "each value at which the rate would change: of a running robot now, or of what was recorded."
     )
-    parser.add_argument("topic", metavar="TOPIC", help="a relayed topic, as in /scan")
+    parser.add_argument(
+        "topic",
+        metavar="TOPIC",
+        help="a relayed topic, as in /scan; with a file of --decisions, also a node or service of actions",
+    )
     parser.add_argument(
         "record",
         metavar="RECORD",
@@ -126,7 +132,11 @@ def run(arguments: argparse.Namespace) -> int:
             record, topic, _at(arguments, is_whole=True)(stamps[0], stamps[0], stamps[-1])
         )
     elif record.is_file() and record.suffix not in _BAG_SUFFIXES:
-        decisions = [(one.stamp_ns, one) for one in read_decisions(record, warn)]
+        decided = read_all_decisions(record, warn)
+        if actions := actions_at(decided, topic, _at(arguments, is_whole=False)):
+            _print_actions(actions, as_json=arguments.json)
+            return 0
+        decisions = [(one.stamp_ns, one) for one in about_rates(decided)]
         reason = reason_in_decisions(
             decisions, topic, _at(arguments, is_whole=False), _rules(arguments, profile), str(record)
         )
@@ -137,6 +147,12 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _print(reason)
     return 0
+
+
+def _print_actions(actions: Sequence[ActionDecision], *, as_json: bool) -> None:
+    for one in actions:
+        when = f"{utc_time(one.stamp_ns)}  {action_line(one)}"
+        write_line(json_text(one.to_json(), ascii_only=False) if as_json else when)
 
 
 def _of_robot(arguments: argparse.Namespace, name: str, profile: Profile | None) -> RateReason:
@@ -201,7 +217,8 @@ def _of_recording(arguments: argparse.Namespace, topic: str, profile: Profile | 
     with open_recording(arguments.record) as recording:
         start_ns, end_ns = recording.start_ns, recording.end_ns
         at_ns = _at(arguments, is_whole=True)(start_ns, start_ns, end_ns)
-        decisions = recorded_decisions(recording)
+        recorded = recorded_decisions(recording)
+        decisions = [(known_ns, one) for known_ns, one in recorded if isinstance(one, Decision)]
         rule_set = _rules(arguments, profile)
         if not decisions and rule_set is not None:
             return reason_in_replay(

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from smarttestudo.bags.reader import open_recording
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
 from smarttestudo.language.rule_set import RuleSet
@@ -17,7 +17,7 @@ from smarttestudo.replays.moment import recorded_decisions
 from smarttestudo.replays.replay import ReplayRequest, replay
 
 
-def kept_decisions(*bags: Path | None) -> list[Decision]:
+def kept_decisions(*bags: Path | None) -> list[AnyDecision]:
     """The decisions in the first of ``bags`` that has those of one robot."""
     for bag in filter(None, bags):
         with suppress(RecordingError), open_recording(bag) as recording:

@@ -12,7 +12,15 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarttestudo.domain.decision import Decision, PlannedRate, about_rates
+from smarttestudo.domain.action import ActionDecision
+from smarttestudo.domain.decision import (
+    AnyDecision,
+    Decision,
+    PlannedRate,
+    about_actions,
+    about_rates,
+    decision_from_json,
+)
 from smarttestudo.domain.errors import RecordingError, UsageError
 from smarttestudo.domain.names import DECISIONS_TOPIC, is_own_topic
 from smarttestudo.domain.profile import Profile
@@ -161,7 +169,16 @@ def reason_in_decisions(
     return RateReason(topic=topic, planned=planned, decision=decision, values=explained or known)
 
 
-def recorded_decisions(recording: RecordingReader) -> list[tuple[int, Decision]]:
+def actions_at(decisions: Sequence[AnyDecision], name: str, at: AtNs) -> list[ActionDecision]:
+    """The last ``_NAMED`` events of actions on the node or service ``name`` by that time."""
+    own = [one for one in about_actions(decisions) if one.action.target == name]
+    if not own:
+        return []
+    at_ns = at(decisions[0].stamp_ns, decisions[0].stamp_ns, decisions[-1].stamp_ns)
+    return [one for one in own if one.stamp_ns <= at_ns][-_NAMED:]
+
+
+def recorded_decisions(recording: RecordingReader) -> list[tuple[int, AnyDecision]]:
     """The decisions that a recording has on ``/testudo/decisions``, with the stamps of their messages.
 
     Each counts once: a link sends the last ones again after an outage. Raises ``RecordingError`` for a
@@ -172,11 +189,11 @@ def recorded_decisions(recording: RecordingReader) -> list[tuple[int, Decision]]
         raise RecordingError(
             "it has the decisions of several robots", place=", ".join(topics), remedy=_DECISIONS_REMEDY
         )
-    decisions: dict[str, tuple[int, Decision]] = {}
+    decisions: dict[str, tuple[int, AnyDecision]] = {}
     for _, stamp_ns, payload in recording.messages(topics) if topics else ():
         text = string_text(payload) or ""
         with suppress(ValueError, RecursionError):
-            decisions.setdefault(text, (stamp_ns, Decision.from_json(json.loads(text))))
+            decisions.setdefault(text, (stamp_ns, decision_from_json(json.loads(text))))
     return [*decisions.values()]
 
 

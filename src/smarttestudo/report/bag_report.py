@@ -31,6 +31,7 @@ from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.robot_path import rule_zones
 from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.bags.topic_selection import select_topics
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.floor_plan import FloorPlan
@@ -222,10 +223,10 @@ class ReportRequest:
     """A recording ``a``, if there is one also ``b``, and how ``b`` came from it.
 
     ``mapping`` pairs topics as ``compare_bags`` does, ``topics`` are the names or patterns to show, empty
-    for all. ``decisions`` may be timed from any start; their stamps count. Of topics in ``predict`` B's
-    receiver shows dead reckoning. Zones of ``rule_set`` are added to the ``floor_plan``. ``called`` is what
-    the user calls a recording that lies elsewhere for now. ``compared`` asks for rules beside each other
-    over ``a``, too.
+    for all. ``decisions`` and ``actions`` may be timed from any start; their stamps count. Of topics in
+    ``predict`` B's receiver shows dead reckoning. Zones of ``rule_set`` are added to the ``floor_plan``.
+    ``called`` is what the user calls a recording that lies elsewhere for now. ``compared`` asks for rules
+    beside each other over ``a``, too.
     """
 
     a: Path
@@ -238,6 +239,7 @@ class ReportRequest:
     rule_set: RuleSet | None = None
     rule_texts: Mapping[str, str] = field(default_factory=dict)
     decisions: Sequence[Decision] = ()
+    actions: Sequence[ActionDecision] = ()
     predict: Collection[str] = ()
     profile: Profile = field(default_factory=Profile)
     budget_kb_per_s: float | None = None
@@ -323,6 +325,9 @@ def _report(request: ReportRequest, runs: PairedRuns) -> RunReport:
         series=runs.series(),
         total=runs.total(),
         decisions=decisions,
+        actions=tuple(
+            replace(one, t_s=(one.stamp_ns - summary.span.start_ns) / NS_PER_S) for one in request.actions
+        ),
         names=request.names,
         tables=() if runs.b else _tables_of_one(runs),
         budget_kb_per_s=request.budget_kb_per_s,

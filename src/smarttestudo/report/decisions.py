@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarttestudo.bags.comparison import target_spans
 from smarttestudo.bags.incident_record import IncidentMark
+from smarttestudo.domain.action import ActionDecision, action_line
 from smarttestudo.domain.decision import Decision, Reason
 from smarttestudo.domain.remote_robots import RuleText
 from smarttestudo.domain.signal import Value
@@ -21,6 +22,7 @@ from smarttestudo.report.rule_timeline import (
     DEFAULTS,
     RuleStyles,
     StyleSpan,
+    action_spans,
     block_at,
     bounded,
     by_topic,
@@ -58,6 +60,21 @@ def lanes(decisions: Sequence[Decision], duration_s: float, styles: RuleStyles) 
     own = [_topic_lane(topic, groups[topic], duration_s, styles) for topic in groups if topic in busiest]
     most = _MOST_SPANS // (1 + len(own))
     return tuple(replace(lane, spans=tuple(bounded(lane.spans, most))) for lane in (leading, *own))
+
+
+def action_lanes(
+    actions: Sequence[ActionDecision], duration_s: float, styles: RuleStyles
+) -> tuple[Lane, ...]:
+    """A line for each parameter, service and notice, in the order in which they began."""
+    groups: dict[str, list[StyleSpan]] = {}
+    for span in action_spans(actions, duration_s):
+        groups.setdefault(span.place, []).append(
+            StyleSpan(start_s=span.start_s, end_s=span.end_s, style=styles.of(span.block), text=span.text)
+        )
+    shown = [*groups.items()][: MAX_LANES // 2]
+    return tuple(
+        Lane(name=place, spans=tuple(bounded(spans, _MOST_SPANS // len(shown)))) for place, spans in shown
+    )
 
 
 def decision_chart(rows: Sequence[Lane], duration_s: float, incident: IncidentMark | None = None) -> Markup:
@@ -161,6 +178,24 @@ def decision_list(decisions: Sequence[Decision], styles: RuleStyles) -> Markup:
     return tag("figure", table, *note, class_="wide decisions")
 
 
+def action_list(actions: Sequence[ActionDecision]) -> Markup:
+    """The first ``MAX_DECISIONS`` events of actions, with what came of them, and how many more there are."""
+    more = len(actions) - len(actions[:MAX_DECISIONS])
+    note = [tag("p", f"… and {grouped(more)} more in the decisions file.", class_="note")] if more else []
+    head = (tag("th", "Time", *_unit("Time"), class_="right", scope="col"), tag("th", "Action", scope="col"))
+    rows = (
+        tag(
+            "tr",
+            tag("td", format_number(one.t_s, 1), class_="right"),
+            tag("td", action_line(one), class_="left words"),
+        )
+        for one in actions[:MAX_DECISIONS]
+    )
+    caption = tag("caption", "Actions in the order of time", class_="unseen")
+    table = tag("table", caption, tag("thead", tag("tr", *head)), tag("tbody", *rows))
+    return tag("figure", table, *note, class_="wide decisions")
+
+
 def _unit(heading: str) -> list[Markup]:
     return [tag("span", "s", class_="unit")] if heading == "Time" else []
 
@@ -217,15 +252,19 @@ _EXPLANATION = "A decision changes the rate of a topic, because a rule begins or
 def decision_section(report: RunReport, styles: RuleStyles) -> Markup:
     """The decisions over time, then each of them beside the rules, as far as there are any."""
     chart, columns = [], []
-    if report.decisions:
+    if report.decisions or report.actions:
         rows = lanes(report.decisions, report.duration_s, styles)
+        acting = action_lanes(report.actions, report.duration_s, styles)
+        rows = (*rows[: MAX_LANES - len(acting)], *acting)
         drawing = decision_chart(rows, report.duration_s, report.incident)
         chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
         columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
+    if report.actions:
+        columns.append(_scrolling("Actions", [action_list(report.actions)]))
     if report.rules:
         columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
     content = (*chart, tag("div", *columns, class_="columns"))
-    if report.decisions:
+    if report.decisions or report.actions:
         return section("What the rules decided", *content, explanation=_EXPLANATION)
     return section("The rules", *content)
 

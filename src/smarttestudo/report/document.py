@@ -60,7 +60,7 @@ def render_report(report: RunReport) -> str:
     through all of them. Its size is bounded, whatever the length of the run and the number of topics.
     """
     spans = deciding_spans(report.decisions, report.duration_s)
-    styles = styles_of(report.decisions, report.duration_s)
+    styles = styles_of(report.decisions, report.duration_s, report.actions)
     plan = floor_map(report.floor_plan, report.path, spans, styles, incident=report.incident)
     main = tag("main", opening(report, plan, spans, styles), *_sections(report, styles))
     data = run_data(report.duration_s, plan.places if plan else ())

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from smarttestudo.bags.comparison import TargetSpan
+from smarttestudo.domain.action import ActionDecision, ActionEvent, ActionKind, value_text
 from smarttestudo.domain.decision import Decision, Reason
 
 
@@ -179,10 +180,54 @@ class RuleStyles:
         return next((style for block, style in self._styles.items() if block.rule == name), DEFAULTS)
 
 
-def styles_of(decisions: Sequence[Decision], duration_s: float) -> RuleStyles:
-    """The styles of a run's blocks, by how long each decided a topic."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ActionSpan:
+    """From ``start_s`` to ``end_s`` the ``block`` did something, which ``text`` says, at a place."""
+
+    place: str
+    start_s: float
+    end_s: float
+    block: DecidingBlock
+    text: str
+
+
+_SHOWN_CALL_S = 0.5
+
+
+def action_spans(actions: Iterable[ActionDecision], end_s: float) -> tuple[ActionSpan, ...]:
+    """How long parameters were set and notices held, and when services were called, by their beginning."""
+    spans: list[ActionSpan] = []
+    begun: dict[str, ActionSpan] = {}
+    for one in sorted(actions, key=lambda action: action.t_s):
+        action, t_s = one.action, one.t_s
+        if one.event.is_outcome or one.event is ActionEvent.NOT_ALLOWED or t_s > end_s:
+            continue
+        if (before := begun.pop(action.place, None)) is not None:
+            spans.append(replace(before, end_s=t_s))
+        if one.event is ActionEvent.END:
+            continue
+        block = DecidingBlock(rule=one.rule or "", line=one.line)
+        word = value_text(action.value) if action.value is not None else one.event.value
+        span = ActionSpan(place=action.place, start_s=t_s, end_s=end_s, block=block, text=word)
+        if action.kind is ActionKind.CALL:
+            spans.append(replace(span, end_s=min(end_s, t_s + _SHOWN_CALL_S)))
+        else:
+            begun[action.place] = span
+    clipped = (replace(span, start_s=max(span.start_s, 0.0)) for span in (*spans, *begun.values()))
+    return tuple(sorted((span for span in clipped if span.end_s > span.start_s), key=lambda one: one.start_s))
+
+
+def styles_of(
+    decisions: Sequence[Decision], duration_s: float, actions: Sequence[ActionDecision] = ()
+) -> RuleStyles:
+    """The styles of a run's blocks, by how long each decided a topic or did something else."""
     own = by_topic(decisions).values()
-    return RuleStyles(span for group in own for span in deciding_spans(group, duration_s))
+    deciding = [span for group in own for span in deciding_spans(group, duration_s)]
+    acting = (
+        RuleSpan(start_s=span.start_s, end_s=span.end_s, block=span.block)
+        for span in action_spans(actions, duration_s)
+    )
+    return RuleStyles((*deciding, *acting))
 
 
 def _name(block: DecidingBlock, *, unique: bool) -> str:

@@ -18,6 +18,7 @@ from smarttestudo.bags.comparison import Comparison
 from smarttestudo.bags.incident_record import IncidentMark
 from smarttestudo.bags.robot_path import PathPoint
 from smarttestudo.bags.statistics import IntervalBin, RecordingSpan, SecondBin, TraceAccumulator
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.floor_plan import FloorPlan
 from smarttestudo.domain.link import StreamCounts
@@ -182,9 +183,9 @@ class Fact:
 class RunReport:
     """One recording, or two beside each other. Every text may come from a stranger.
 
-    Times are in seconds since the first recording's start, those of ``decisions`` too. ``explanation`` says
-    what is compared; ``total`` is the bandwidth of all topics together, ``accuracy_curve`` what
-    bounds of the robot's position cost; ``incident`` is known where the first recording is one. Of a pair,
+    Times are in seconds since the first recording's start, those of ``decisions`` and ``actions`` too.
+    ``explanation`` says what is compared; ``total`` is the bandwidth of all topics together,
+    ``accuracy_curve`` what bounds of the robot's position cost; ``incident`` is known where the first recording is one. Of a pair,
     ``tables`` may be left empty for the usual two.
     """
 
@@ -193,6 +194,7 @@ class RunReport:
     comparison: Comparison
     series: tuple[TopicSeries, ...]
     decisions: tuple[Decision, ...]
+    actions: tuple[ActionDecision, ...] = ()
     explanation: str = ""
     total: TopicSeries = field(default_factory=lambda: TopicSeries(topic="All topics"))
     names: RunNames = field(default_factory=RunNames)

@@ -150,7 +150,7 @@ def rate_charts(report: RunReport) -> list[TimeChart]:
     rate far above everything that happened runs along the chart's top.
     """
     decisions = by_topic(report.decisions)
-    styles = styles_of(report.decisions, report.duration_s)
+    styles = styles_of(report.decisions, report.duration_s, report.actions)
     charts = []
     for series in charted_series(report):
         own = decisions.get(series.topic, [])
