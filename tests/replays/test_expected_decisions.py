@@ -149,3 +149,53 @@ def test_what_cannot_be_compared_is_refused(
     replayed: Run, options: tuple[str, ...], code: int, said: str
 ) -> None:
     assert replayed(RULES, *options) == (code, "", said)
+
+
+ACTING = RULES.replace("/scan 5", '/scan 5 Call /dock SetParameter /camera quality 40 Notify "far\\";$(rm) "')
+PROFILE = 'allow_calls = ["/dock"]\nallow_parameters = { "/camera" = ["quality"] }\n'
+
+
+def test_a_replay_does_nothing_and_writes_what_would_have_been_done(replayed: Run, tmp_path: Path) -> None:
+    (tmp_path / "profile.toml").write_text(PROFILE, encoding="utf-8")
+    options = ("--profile", "profile.toml", "--expect", "acting.jsonl")
+    assert replayed(ACTING, *options, "--update")[0] == 0
+    lines = (tmp_path / "acting.jsonl").read_text(encoding="utf-8").splitlines()
+    acts = [record for record in map(json.loads, lines) if "action" in record]
+    assert [(one["action"], one["target"], one["event"], one["rule"]) for one in acts] == [
+        ("Call", "/dock", "begin", "Far"),
+        ("Notify", 'far";$(rm) ', "begin", "Far"),
+        ("SetParameter", "/camera", "begin", "Far"),
+    ]
+    assert acts[2]["value"] == 40
+    assert acts[0]["values"].keys() == {"/odom pose_y"}
+    assert replayed(ACTING, *options)[0] == 0
+    code, _, err = replayed(ACTING.replace("/dock", "/rest"), *options)
+    assert code == 1
+    assert 'expected "Call /dock: begin (Far)", decided "Call /rest: not allowed (Far)"' in err
+
+
+def test_what_came_of_actions_on_a_robot_is_not_expected_of_a_replay(replayed: Run, tmp_path: Path) -> None:
+    (tmp_path / "profile.toml").write_text(PROFILE, encoding="utf-8")
+    options = ("--profile", "profile.toml", "--expect", "acting.jsonl")
+    replayed(ACTING, *options, "--update")
+    path = tmp_path / "acting.jsonl"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    done = next(line for line in lines if "Call" in line).replace('"begin"', '"done"')
+    path.write_text("\n".join([*lines, done]) + "\n", encoding="utf-8")
+    assert replayed(ACTING, *options)[0] == 0
+
+
+def test_the_report_and_why_show_actions(
+    replayed: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "profile.toml").write_text(PROFILE, encoding="utf-8")
+    options = ("--profile", "profile.toml", "--output", "out", "--report", "r.html", "--decisions", "d.jsonl")
+    assert replayed(ACTING, *options)[0] == 0
+    page = (tmp_path / "r.html").read_text(encoding="utf-8")
+    assert "/camera quality" in page
+    assert "Call /dock: begin (Far)" in page
+    assert "Notify &quot;far\\&quot;;$(rm) &quot;" in page
+    assert main(["why", "/camera", "d.jsonl"]) == 0
+    assert capsys.readouterr().out.endswith("SetParameter /camera quality 40: begin (Far)\n")
+    assert main(["why", "/scan", "d.jsonl"]) == 0
+    assert capsys.readouterr().out.startswith("/scan: ")

@@ -185,8 +185,8 @@ class RunReport:
 
     Times are in seconds since the first recording's start, those of ``decisions`` and ``actions`` too.
     ``explanation`` says what is compared; ``total`` is the bandwidth of all topics together,
-    ``accuracy_curve`` what bounds of the robot's position cost; ``incident`` is known where the first recording is one. Of a pair,
-    ``tables`` may be left empty for the usual two.
+    ``accuracy_curve`` what bounds of the robot's position cost; ``incident`` is known where the first
+    recording is one. Of a pair, ``tables`` may be left empty for the usual two.
     """
 
     title: str
