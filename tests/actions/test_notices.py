@@ -9,7 +9,7 @@ from functools import cache
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from smarttestudo.actions.notices import MOST_A_MINUTE, Message, NoticeThrottle
+from smarttestudo.actions.notices import MOST_A_MINUTE, NoticeThrottle, SentNotice
 from smarttestudo.domain.action import ActionDecision, ActionEvent, ActionKind, ActRequest
 
 S = 1_000_000_000
@@ -38,7 +38,7 @@ def pauses() -> st.SearchStrategy[list[int]]:
 @settings(max_examples=200)
 def test_six_a_minute_in_order_and_no_beginning_goes_uncounted(pauses: list[int]) -> None:
     throttle = NoticeThrottle()
-    sent: list[tuple[int, Message]] = []
+    sent: list[tuple[int, SentNotice]] = []
     now_s, kind = 0, ActionEvent.END
     begun = 0
     for pause_s in pauses:

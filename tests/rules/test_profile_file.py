@@ -15,6 +15,11 @@ from smarttestudo.rules.profile_file import load_profile
 WHOLE = """\
 budget_kb_per_s = 15000.0
 settle_s = 0.25
+allow_calls = ["/dock", "lights/dim"]
+
+[allow_parameters]
+"/camera" = ["quality", "fps"]
+camera = ["gain"]
 
 [topics."/odom"]
 type = "nav_msgs/msg/Odometry"
@@ -66,6 +71,14 @@ def test_every_key_is_read(tmp_path: Path) -> None:
         accuracies={LevelledProperty.ORIENTATION: AccuracyTiers(bounds=(20, 10, 5, 5, 2, 1))},
     )
     assert profile.topic("/camera/camera_info").paced_with == "/camera/image_raw"
+    assert profile.allow_calls == {"/dock", "/lights/dim"}
+    assert profile.allow_parameters == {"/camera": {"quality", "fps", "gain"}}
+
+
+def test_what_is_allowed_is_so_by_its_full_names(tmp_path: Path) -> None:
+    profile = load_profile(write(tmp_path, WHOLE)).resolved(lambda name: f"/tb3{name}")
+    assert profile.allow_calls == {"/tb3/dock", "/tb3/lights/dim"}
+    assert profile.allow_parameters == {"/tb3/camera": {"quality", "fps", "gain"}}
 
 
 def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
@@ -79,6 +92,15 @@ def test_an_empty_profile_knows_nothing(tmp_path: Path) -> None:
     [
         ("budget_kb_per_s = -1", ":1:1: error: budget_kb_per_s must not be negative, it is -1"),
         ("\nbuget_kb_per_s = 1", ":2:1: error: unknown key buget_kb_per_s; did you mean budget_kb_per_s?"),
+        ('allow_calls = "/dock"', ":1:1: error: allow_calls must be a list of names"),
+        ("allow_calls = [1]", ":1:1: error: allow_calls must be a string in quotes"),
+        ('allow_calls = ["a b"]', ":1:1: error: 'a b' is not a valid ROS 2 topic name"),
+        (
+            'allow_parameters = ["/a"]',
+            ":1:1: error: allow_parameters must be a table of nodes; "
+            'write it as in "/camera_driver" = ["jpeg_quality"]',
+        ),
+        ('[allow_parameters]\n"/a" = "b"', ':2:1: error: allow_parameters."/a" must be a list of names'),
         ("budget_kb_per_s = nan", ":1:1: error: budget_kb_per_s must be a finite number"),
         ('[topics."/a"]\nmessage_kb = 0', ':2:1: error: topics."/a".message_kb must be above 0, it is 0'),
         (

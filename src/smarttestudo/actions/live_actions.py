@@ -12,7 +12,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from functools import partial
 
-from smarttestudo.actions.notices import Message, NoticeThrottle
+from smarttestudo.actions.notices import NoticeThrottle, SentNotice
 from smarttestudo.actions.parameter_setter import ParameterSetter
 from smarttestudo.actions.restore_file import RestoreFile
 from smarttestudo.actions.webhook import Webhook
@@ -112,12 +112,12 @@ class LiveActions(Part):
             )
         self._send(self._throttle.offer(decision, self._robot.steady_ns()))
 
-    def _send(self, messages: Iterable[Message]) -> None:
+    def _send(self, messages: Iterable[SentNotice]) -> None:
         for message in messages:
             if self._webhook is not None:
                 self._webhook.put(self._body(message))
 
-    def _body(self, message: Message) -> dict[str, object]:
+    def _body(self, message: SentNotice) -> dict[str, object]:
         decision = message.decision
         is_end = decision.event is ActionEvent.END
         return {

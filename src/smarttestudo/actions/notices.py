@@ -16,7 +16,7 @@ _MINUTE_NS = 60 * NS_PER_S
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Message:
+class SentNotice:
     """A notice as it is sent: it began or ended, and began so many times (``count``) since the last one."""
 
     decision: ActionDecision
@@ -39,30 +39,30 @@ class NoticeThrottle:
     def __init__(self) -> None:
         self._notices: dict[tuple[str | None, str], _Notice] = {}
 
-    def offer(self, decision: ActionDecision, now_ns: int) -> Iterator[Message]:
+    def offer(self, decision: ActionDecision, now_ns: int) -> Iterator[SentNotice]:
         """A notice began or ended; what to send now."""
         notice = self._notices.setdefault((decision.rule, decision.action.target), _Notice())
         notice.waiting = decision
         notice.count += decision.event is not ActionEvent.END
         yield from self._due(notice, now_ns)
 
-    def advance(self, now_ns: int) -> Iterator[Message]:
+    def advance(self, now_ns: int) -> Iterator[SentNotice]:
         """Send what waited long enough."""
         for key, notice in [*self._notices.items()]:
             yield from self._due(notice, now_ns)
             if not notice.sent_ns:
                 del self._notices[key]
 
-    def flush(self) -> Iterator[Message]:
+    def flush(self) -> Iterator[SentNotice]:
         """Send all that waits."""
         for notice in self._notices.values():
             notice.sent_ns.clear()
             yield from self._due(notice, 0)
 
-    def _due(self, notice: _Notice, now_ns: int) -> Iterator[Message]:
+    def _due(self, notice: _Notice, now_ns: int) -> Iterator[SentNotice]:
         while notice.sent_ns and notice.sent_ns[0] + _MINUTE_NS <= now_ns:
             notice.sent_ns.popleft()
         if notice.waiting is not None and len(notice.sent_ns) < MOST_A_MINUTE:
             notice.sent_ns.append(now_ns)
-            yield Message(decision=notice.waiting, count=notice.count)
+            yield SentNotice(decision=notice.waiting, count=notice.count)
             notice.waiting, notice.count = None, 0

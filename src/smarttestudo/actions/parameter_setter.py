@@ -29,7 +29,7 @@ Tell = Callable[[ActionDecision, ActionEvent, str], None]
 
 @dataclass(slots=True, eq=False)
 class _Parameter:
-    """What is known of one parameter: its value ``before``, and those of ours that it may have now.
+    """State of one parameter: its value ``before``, and those of ours that it may have now.
 
     Without a value before, nothing has to be given back. One request is under way at a time; of those that
     come meanwhile, the last one is ``waiting``.

@@ -38,7 +38,7 @@ class RestoreFile:
         self._path = path
 
     def read(self) -> list[ValueBefore]:
-        """What a run before has left. Raises ``RestoreFileError``."""
+        """The values that a run before has left. Raises ``RestoreFileError``."""
         path = self._path
         if path is None:
             return []

@@ -131,7 +131,7 @@ class ActionDecision:
         return replace(decision, action=replace(decision.action, value=value))
 
     def outcome(self, event: ActionEvent, *, t_s: float, stamp_ns: int, detail: str = "") -> ActionDecision:
-        """What came of it."""
+        """This action with what came of it, at another time."""
         return replace(
             self, t_s=t_s, stamp_ns=stamp_ns, event=event, values={}, lasted_s=None, detail=shortened(detail)
         )

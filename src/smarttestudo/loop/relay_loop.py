@@ -154,7 +154,7 @@ class RelayLoop:
         return decisions
 
     def take_decisions(self) -> list[Decision]:
-        """Those of ``take_all_decisions`` that are about rates; the others are dropped."""
+        """As ``take_all_decisions``, of topics only; the others are dropped."""
         return about_rates(self.take_all_decisions())
 
     def take_turned_blocks(self) -> dict[int, Truth]:

@@ -232,7 +232,7 @@ def turns(knowledge: Knowledge, now_ns: int) -> Iterator[Trigger | Ended]:
 
 
 def act(knowledge: Knowledge, turned: Iterable[Trigger | Ended], now_ns: int) -> Iterator[ActionDecision]:
-    """What blocks do because they turned, and what waited until ``now_ns``, a steady time."""
+    """Actions of blocks that turned, and those that waited until ``now_ns``, a steady time."""
     plan = knowledge.actions
     for turn in turned:
         planned = (plan.begin if isinstance(turn, Trigger) else plan.end)(turn.block, now_ns)
@@ -243,7 +243,7 @@ def act(knowledge: Knowledge, turned: Iterable[Trigger | Ended], now_ns: int) ->
 def action_decisions(
     knowledge: Knowledge, planned: Iterable[PlannedAction], now_ns: int
 ) -> Iterator[ActionDecision]:
-    """What was ``planned`` at ``now_ns``, with the values that made a block begin."""
+    """The decisions that were ``planned`` at ``now_ns``, with the values that made a block begin."""
     for event, action, block, lasted_ns in planned:
         yield ActionDecision(
             t_s=(now_ns - knowledge.start_ns) / NS_PER_S,

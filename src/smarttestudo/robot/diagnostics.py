@@ -152,7 +152,7 @@ def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
 
 
 def _of_notice(status: RuntimeStatus, notice: Notice) -> Diagnostic:
-    """What a rule notifies of, for as long as it does; the text may be anything."""
+    """A text that a rule notifies of now; it may be anything."""
     rule = visible(notice.rule or "")
     return Diagnostic(
         name=f"{status.node.lstrip('/')}: {rule}",

@@ -201,10 +201,12 @@ class _ProfileReader:
         if not isinstance(values, Mapping):
             remedy = 'write it as in "/camera_driver" = ["jpeg_quality"]'
             raise self._error(at, f"{self._named(at)} must be a table of nodes", remedy=remedy)
-        return {
-            self.topic_name((*at, node), node): frozenset(self._names((*at, node), names, self.text))
-            for node, names in values.items()
-        }
+        allowed: dict[str, frozenset[str]] = {}
+        for node, names in values.items():
+            full = self.topic_name((*at, node), node)
+            parameters = frozenset(self._names((*at, node), names, self.text))
+            allowed[full] = allowed.get(full, frozenset()) | parameters
+        return allowed
 
     def allowed_calls(self, at: KeyPath, values: object) -> frozenset[str]:
         return frozenset(self._names(at, values, self.topic_name))

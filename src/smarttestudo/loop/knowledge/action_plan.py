@@ -19,7 +19,7 @@ LEAST_PAUSE_NS = NS_PER_S
 
 
 class PlannedAction(NamedTuple):
-    """What to do because of ``block``; a notice that ends was there for ``lasted_ns``."""
+    """An action to do because of ``block``; a notice that ends was there for ``lasted_ns``."""
 
     event: ActionEvent
     action: ActRequest
