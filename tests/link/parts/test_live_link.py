@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,6 +18,8 @@ from smarttestudo.domain.observation import LinkBudget
 from smarttestudo.domain.profile import Profile, TopicProfile
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.parts.live_link import MOST_LINES, REFILL_NS, LinkWatch, OperatorLog
+from smarttestudo.link.protocol.outbox import Outbox
+from smarttestudo.link.protocol.outgoing_stream import Encoded
 from smarttestudo.robot.live_rules import LiveRules
 
 RULES = """\
@@ -61,8 +64,25 @@ def test_topics_have_their_output_names_priorities_greater_floors_and_whether_th
         {
             "/operator/image": LinkNeeds(priority=0.5, floor_hz=1.0, is_full=True),
             "/operator/scan": LinkNeeds(priority=3.0, floor_hz=2.0, is_full=False),
+            "/testudo/decisions": LinkNeeds(priority=math.inf),
         }
     ]
+
+
+def test_what_a_rule_notifies_of_goes_before_all_topics() -> None:
+    outbox = Outbox(lambda _, payload: Encoded(payload))
+    needs = {11: LinkNeeds(priority=1e6, floor_hz=100.0), 12: LinkNeeds(priority=math.inf)}
+    for stream, depth in ((11, None), (12, 100)):
+        outbox.open(stream, depth=depth)
+        outbox.set_needs(stream, needs[stream])
+    outbox.put(11, b"image" * 1000, 0)
+    first = outbox.next_chunk(1, 1000, 0)
+    assert first is not None
+    assert first.stream == 11
+    outbox.put(12, b"notice", 0)
+    second = outbox.next_chunk(1, 1000, 0)
+    assert second is not None
+    assert second.stream == 12
 
 
 def test_a_topic_that_a_rule_makes_full_queues_from_then_on() -> None:
