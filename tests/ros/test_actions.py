@@ -14,6 +14,7 @@ import pytest
 
 from actions.http_servers import served, waited_for
 from ros.ros_processes import LINE_TIMEOUT_S, Process, SmallRobot
+from smarttestudo.cli.main import main
 from smarttestudo.domain.action import ActionDecision, ActionEvent
 from smarttestudo.loop.decision_log import read_all_decisions
 
@@ -140,6 +141,43 @@ def test_what_somebody_else_set_meanwhile_is_left_alone_and_said(acted: Acted) -
     acted.level(0)
     acted.until_event("SetParameter /camera quality: left alone: it is 55, which was not set here")
     assert acted.camera.ask("get", "quality") == 55
+
+
+def test_rules_that_are_pushed_widen_nothing(acted: Acted) -> None:
+    acted.run("")
+    remote = acted.robot.remote()
+    remote.line_with("ready")
+    body = "Call /elsewhere SetParameter /camera other 1 Call /dock"
+    rules = f"begin SetFrequency /level 10 {FAR} {body} EndIf end"
+    assert remote.ask("set", {"rules_text": rules}) == []
+    acted.level(9)
+    acted.until_event("Call /dock: done")
+    events = acted.events()
+    assert "Call /elsewhere: not allowed: " in events
+    assert "SetParameter /camera other 1: not allowed: " in events
+    assert acted.camera.ask("calls") == ["dock"]
+
+
+def test_a_replay_of_the_inputs_decides_line_for_line_alike_and_does_nothing(acted: Acted) -> None:
+    inputs = acted.folder / "inputs"
+    run = acted.run(
+        f'{FAR} SetParameter /camera quality 40 Call /dock Notify "far" EndIf', "--record-inputs", str(inputs)
+    )
+    for level in (9, 0, 9, 0):
+        acted.level(level)
+        acted.until_it_is("quality", 40 if level else 90)
+    run.signal(signal.SIGINT)
+    assert run.exit_code() == 0
+    calls = acted.camera.ask("calls")
+    again = acted.folder / "again.jsonl"
+    assert main(["replay", str(inputs), "--decisions", str(again)]) == 0
+    assert main(["replay", str(inputs), "--expect", str(acted.log)]) == 0
+    lines = [json.loads(line) for line in acted.log.read_text().splitlines()]
+    outcomes = {event.value for event in ActionEvent if event.is_outcome}
+    decided = [line for line in lines if line.get("event") not in outcomes]
+    assert [json.loads(line) for line in again.read_text().splitlines()] == decided
+    assert len(decided) < len(lines)
+    assert acted.camera.ask("calls") == calls
 
 
 def test_a_dry_run_decides_and_does_nothing(acted: Acted) -> None:
