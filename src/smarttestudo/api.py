@@ -21,7 +21,7 @@ from smarttestudo.bags.bag_summary import BagSummary
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.remote_path import DEFAULT_TIMEOUT_S, is_url, remote_path
 from smarttestudo.checks import CheckContext
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, about_rates
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.finding import Finding
 from smarttestudo.domain.profile import Profile
@@ -135,7 +135,7 @@ def measure_loss(
     question = loss.LossQuestion(
         topics=_names(topics, "topics"),
         rule_set=rules,
-        decisions=() if rules is None else kept_decisions(b, a),
+        decisions=() if rules is None else about_rates(kept_decisions(b, a)),
         profile=_profile(profile) or Profile(),
     )
     return loss.measure_loss(a, b, question)

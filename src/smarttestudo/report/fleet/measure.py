@@ -20,7 +20,7 @@ from smarttestudo.bags.measure import measure_bag, measure_run
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.statistics import RecordingSpan, TraceAccumulator
 from smarttestudo.bags.topic_selection import is_selected
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import Decision, about_rates
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.language.rule_set import RuleSet
@@ -79,7 +79,7 @@ def measure_recording(question: RecordingQuestion) -> RecordingNumbers:
     Raises:
         RecordingError: one cannot be read; they share no topic.
     """
-    kept = kept_decisions(question.b, question.a)
+    kept = about_rates(kept_decisions(question.b, question.a))
     has_decisions = bool(kept) or question.rule_set is not None
     a = _measure(question.a, over_time=has_decisions)
     b = None if question.b is None else _measure(question.b, over_time=has_decisions)
