@@ -15,7 +15,7 @@ from bags.bag_factory import ODOM, odometry
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.cli.main import main
-from smarttestudo.domain.decision import Decision
+from smarttestudo.domain.decision import AnyDecision, Decision
 from smarttestudo.domain.observation import (
     LinkBudget,
     ListenersChanged,
@@ -157,7 +157,7 @@ def test_what_was_measured_of_machine_and_link_decides_the_same(
             now_ns = then_ns
             recorder.record(given_change := ChangeInput(stamp_ns=now_ns, change=change), rules)
             loop.handle(given_change)
-    again: list[Decision] = []
+    again: list[AnyDecision] = []
     replay_inputs(folder / "inputs", again.extend)
     assert [one.to_json() for one in again] == [one.to_json() for one in loop.take_decisions()]
 

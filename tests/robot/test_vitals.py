@@ -12,6 +12,7 @@ import pytest
 
 from robot.memory_link import MemoryLink
 from robot.status.virtual_robot import SECOND, VirtualRobot
+from smarttestudo.domain.action import ActionDecision
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.link import LinkState
 from smarttestudo.domain.observation import VitalsMeasured
@@ -50,6 +51,9 @@ class GivenRun:
         assert isinstance(given.change, VitalsMeasured)
         self.given.append((given.change.source, given.change.values))
         self.loop.handle(given)
+
+    def note(self, outcome: ActionDecision) -> None:
+        raise NotImplementedError
 
 
 def machine(root: Path) -> MachineVitals:
