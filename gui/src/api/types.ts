@@ -12,7 +12,13 @@ export interface AccuracyNeeds {
   notices: string[];
 }
 
-export type Action = SetStatement | WithinStatement | RecordStatement;
+export type Action =
+  | SetStatement
+  | WithinStatement
+  | RecordStatement
+  | ParameterStatement
+  | CallStatement
+  | NotifyStatement;
 
 /**
  * Time since the newest message received, in s: mean, 95th percentile and maximum over time.
@@ -139,13 +145,26 @@ export interface BoundRecord {
   broken: number;
 }
 
+/** `Call service [true | false]` in a rule. */
+export interface CallStatement {
+  kind: "call";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  service: string;
+  argument?: boolean | null;
+}
+
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
 export interface CheckCondition {
   kind: "check";
   topic: string;
   property: string;
   op: Operator;
-  value: Value;
+  value: Compared;
   until?: UntilValue | null;
   offset?: number;
   end_offset?: number;
@@ -199,7 +218,7 @@ export interface CommandTopic {
   age_ms: number | null;
 }
 
-export type Compared = number | boolean | string | Constant;
+export type Compared = number | string;
 
 export type Condition = CheckCondition | AndCondition | OrCondition | NotCondition | TimedCondition;
 
@@ -207,12 +226,6 @@ export type Condition = CheckCondition | AndCondition | OrCondition | NotConditi
 export interface ConfirmAnswer {
   state: "confirmed";
   hash: string;
-}
-
-/** A constant of a message type: `NAME`, or `TYPE.NAME` with the type's name as written. */
-export interface Constant {
-  type_name: string;
-  name: string;
 }
 
 /** A file to be copied; `new_name` must not exist yet. */
@@ -842,6 +855,15 @@ export interface LossPoint {
   age_mean_s: number | null;
 }
 
+/** `.. to By topic property from .. to`: the rate goes to another one as a value goes to another one. */
+export interface MarginValue {
+  to: Rate;
+  topic: string;
+  property: string;
+  from_value: number;
+  to_value: number;
+}
+
 /**
  * A wish for a profile of what the robot's nodes publish now.
  *
@@ -905,11 +927,16 @@ export interface NotCondition {
   term: Condition;
 }
 
-/** A text that a rule notifies while it holds, since `since_ns` on the robot's clock. */
-export interface Notice {
+/** `Notify "text"` in a rule. */
+export interface NotifyStatement {
+  kind: "notify";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
   text: string;
-  rule: string | null;
-  since_ns: number;
 }
 
 /** Nothing passes. */
@@ -955,6 +982,20 @@ export interface OptimizeRequest {
 export interface OrCondition {
   kind: "or";
   terms: Condition[];
+}
+
+/** `SetParameter node parameter value` in a rule; the value as a rule file spells it: 1 is no 1.0. */
+export interface ParameterStatement {
+  kind: "parameter";
+  comments?: string[] | null;
+  id?: string;
+  key?: string;
+  offset?: number;
+  end_offset?: number;
+  line?: number;
+  node: string;
+  parameter: string;
+  value: string;
 }
 
 /**
@@ -1566,7 +1607,6 @@ export interface RuntimeStatus {
   link?: LinkState;
   accepted?: Record<string, Omit<CommandTopic, "topic">>;
   incidents?: IncidentState;
-  notices?: Notice[];
   in_kb_per_s: number;
   out_kb_per_s: number;
   fallback: boolean;
@@ -1590,7 +1630,7 @@ export interface SaveRequest {
   by_itself?: boolean;
 }
 
-/** `SetFrequency topic rate`: a default, or what a rule sets (then `id` and `key` are empty). */
+/** `SetFrequency topic rate [margin]`: a default, or in a rule, without `id` and `key`. */
 export interface SetStatement {
   kind: "set";
   comments?: string[] | null;
@@ -1601,6 +1641,7 @@ export interface SetStatement {
   line?: number;
   topic: string;
   rate: Rate;
+  margin?: MarginValue | null;
 }
 
 /** Settings for everybody who opens the project. */
@@ -1648,7 +1689,7 @@ export interface SituationLoad {
   kind: SituationKind;
   title: string;
   rules: string[];
-  state: Record<string, Value>;
+  state: Record<string, Compared>;
   loads: TopicLoad[];
   kb_per_s: number;
   feasible: boolean;
@@ -1958,10 +1999,8 @@ export interface TryTopicLoss {
 /** `Until op value` behind a check: what ends it. */
 export interface UntilValue {
   op: Operator;
-  value: Value;
+  value: Compared;
 }
-
-export type Value = number | string;
 
 /** One version of the rule file `name`. */
 export interface VersionRequest {

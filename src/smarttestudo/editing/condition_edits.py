@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 from smarttestudo.editing.text_edit import TextEdit, TokenRange
-from smarttestudo.language.formatter import compared_text, duration_text, time_text, until_text
+from smarttestudo.language.formatter import compared_text, duration_text, time_text, until_text, value_text
 from smarttestudo.language.syntax import And, Check, Condition, Group, Not, Or, Timed
 
 _TOPIC, _PROPERTY, _OPERATOR, _NUMBER = 1, 2, 3, 4
@@ -92,12 +92,16 @@ def _check_edits(old: Check, new: Check, words: TokenRange) -> list[TextEdit] | 
         (_TOPIC, old.topic.text != new.topic.text, new.topic.text),
         (_PROPERTY, old.property != new.property, new.property),
         (_OPERATOR, old.operator is not new.operator, new.operator.value),
-        (_NUMBER, old.value != new.value, compared_text(new)),
+        (_NUMBER, value_text(old.value) != value_text(new.value), compared_text(new)),
     ]
     if old.until is not None and new.until is not None:
         changes += [
             (_UNTIL_OPERATOR, old.until.operator is not new.until.operator, new.until.operator.value),
-            (_UNTIL_NUMBER, old.until.value != new.until.value, compared_text(new.until)),
+            (
+                _UNTIL_NUMBER,
+                value_text(old.until.value) != value_text(new.until.value),
+                compared_text(new.until),
+            ),
         ]
         return changed_words(first, changes, words)
     found = changed_words(first, changes, words)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from itertools import count
 
 from smarttestudo.editing.text_edit import LineIndex, TokenRange
+from smarttestudo.language.formatter import value_text
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.parser.cursor import STATEMENT_STARTS
 from smarttestudo.language.parser.lexer import Token, TokenKind
@@ -277,8 +278,9 @@ def condition_meaning(condition: Condition) -> Meaning:
     """The checks of a condition and how they are joined."""
     match condition:
         case Check():
-            until = condition.until and (condition.until.operator, condition.until.value)
-            return (condition.topic.text, condition.property, condition.operator, condition.value, until)
+            until = condition.until and (condition.until.operator, value_text(condition.until.value))
+            value = value_text(condition.value)  # True is no 1, which turns stale.
+            return (condition.topic.text, condition.property, condition.operator, value, until)
         case Group():
             return condition_meaning(condition.operand)
         case Not():

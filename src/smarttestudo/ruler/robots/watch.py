@@ -13,14 +13,10 @@ from smarttestudo.domain.parameter import Refusals, Values
 from smarttestudo.domain.remote_robots import HeardStatus, RemoteRobots, RuleTexts
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import (
-    Block,
-    Compared,
-    Operator,
-)
-from smarttestudo.language.syntax_walks import (
-    checks_in,
-)
+from smarttestudo.language.syntax import Block, Operator
+from smarttestudo.language.syntax_walks import checks_in
+from smarttestudo.ruler.rules.statement_trees import page_value
+from smarttestudo.ruler.rules.statements import Compared
 
 Place = tuple[int, int, int]
 """A file's number, line and column."""
@@ -64,7 +60,7 @@ def words_of(texts: RuleTexts) -> RuleWords:
                         topic=check.topic.text,
                         property=check.property,
                         op=check.operator,
-                        limit=check.value,
+                        limit=page_value(check.value),
                     )
     return RuleWords(sha256=texts.sha256, labels=labels, checks=checks, full_names=texts.full_names)
 

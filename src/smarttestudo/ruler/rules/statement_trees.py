@@ -22,10 +22,12 @@ from smarttestudo.language.syntax import (
     Check,
     Compared,
     Condition,
+    Constant,
     Duration,
     Group,
     KeepAtLeast,
     KeepWithin,
+    Margin,
     Not,
     Notify,
     Or,
@@ -149,7 +151,7 @@ class StatementWriter:
                     topic=condition.topic.text,
                     property=condition.property,
                     op=condition.operator,
-                    value=_value(condition.value),
+                    value=page_value(condition.value),
                     until=_until(condition.until),
                     offset=start - base,
                     end_offset=end - base,
@@ -181,19 +183,36 @@ def _action(one: Action, place: _Place) -> page.Action:
                 after=_duration(one.after),
                 **place,
             )
-        case SetParameter() | CallService() | Notify():
-            raise NotImplementedError
+        case SetParameter():
+            value = one.text or value_text(one.value)
+            return page.ParameterStatement(node=one.node.text, parameter=one.parameter, value=value, **place)
+        case CallService():
+            return page.CallStatement(service=one.service.text, argument=one.argument, **place)
+        case Notify():
+            return page.NotifyStatement(text=one.text, **place)
 
 
 def _set_frequency(one: SetFrequency, place: _Place) -> page.SetStatement:
-    return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), **place)
+    margin = None if one.margin is None else _margin(one.margin)
+    return page.SetStatement(topic=one.topic.text, rate=_rate(one.rate), margin=margin, **place)
+
+
+def _margin(margin: Margin) -> page.MarginValue:
+    return page.MarginValue(
+        to=_rate(margin.to),
+        topic=margin.topic.text,
+        property=margin.property,
+        from_value=margin.from_value,
+        to_value=margin.to_value,
+    )
 
 
 def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
     return page.WithinStatement(topic=one.topic.text, property=one.property, bound=one.bound, **place)
 
 
-def _value(value: Compared) -> float | str:
+def page_value(value: Compared) -> page.Compared:
+    """What a check compares with, in the words of the page."""
     return value if isinstance(value, float) else value_text(value)
 
 
@@ -202,7 +221,7 @@ def _duration(duration: Duration) -> page.DurationValue:
 
 
 def _until(until: Until | None) -> page.UntilValue | None:
-    return None if until is None else page.UntilValue(op=until.operator, value=_value(until.value))
+    return None if until is None else page.UntilValue(op=until.operator, value=page_value(until.value))
 
 
 def new_statement(model: page.Statement) -> NewStatement:
@@ -252,11 +271,42 @@ def _read_action(model: page.Action) -> Action:
                 after=_read_duration(model.after),
                 span=_NOWHERE,
             )
+        case page.ParameterStatement():
+            return SetParameter(
+                node=_topic(model.node),
+                parameter=model.parameter,
+                parameter_span=_NOWHERE,
+                value=_read_parameter(model.value),
+                text=model.value.strip(),
+                span=_NOWHERE,
+            )
+        case page.CallStatement():
+            return CallService(service=_topic(model.service), argument=model.argument, span=_NOWHERE)
+        case page.NotifyStatement():
+            return Notify(text=model.text, span=_NOWHERE)
 
 
 def _set(model: page.SetStatement) -> SetFrequency:
-    rate = RateExpression(value=_rate_value(model.rate), text="", span=_NOWHERE)
-    return SetFrequency(topic=_topic(model.topic), rate=rate, span=_NOWHERE)
+    margin = None if model.margin is None else _read_margin(model.margin)
+    return SetFrequency(topic=_topic(model.topic), rate=_read_rate(model.rate), margin=margin, span=_NOWHERE)
+
+
+def _read_rate(model: page.Rate) -> RateExpression:
+    return RateExpression(value=_rate_value(model), text="", span=_NOWHERE)
+
+
+def _read_margin(model: page.MarginValue) -> Margin:
+    return Margin(
+        to=_read_rate(model.to),
+        topic=_topic(model.topic),
+        property=model.property,
+        property_span=_NOWHERE,
+        from_value=model.from_value,
+        from_text="",
+        to_value=model.to_value,
+        to_text="",
+        span=_NOWHERE,
+    )
 
 
 def _within(model: page.WithinStatement) -> KeepWithin:
@@ -283,13 +333,21 @@ def _read_until(model: page.UntilValue | None) -> Until | None:
     )
 
 
-def _read_value(value: float | str) -> Compared:
+def _read_value(value: page.Compared) -> Compared:
     """Raises ``EditError`` for a text that no rule file can compare with."""
-    if isinstance(value, float):
+    if not isinstance(value, str):
         return value
     read = written_value(value)
     if read is None:
-        raise EditError(f"{value[:40]} is no text in quotes, constant, true or false")
+        raise EditError(f"{value[:40]} is no number, text in quotes, constant, true or false")
+    return read
+
+
+def _read_parameter(text: str) -> float | bool | str:
+    """Raises ``EditError`` for what no parameter can be."""
+    read = _read_value(text)
+    if isinstance(read, Constant):
+        raise EditError(f"{text[:40]} is no number, text in quotes, true or false")
     return read
 
 

@@ -45,12 +45,15 @@ class OffRate(Struct, frozen=True, kw_only=True, tag_field="kind", tag="off"):
 
 Rate = Hz | TierRate | FullRate | OffRate
 
+Compared = float | str
+"""A number; else as a rule file spells it: a text in quotes, ``true``, ``false`` or a constant."""
+
 
 class UntilValue(Struct, frozen=True, kw_only=True):
     """``Until op value`` behind a check: what ends it."""
 
     op: Operator
-    value: float | str
+    value: Compared
 
 
 class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="check"):
@@ -59,7 +62,7 @@ class CheckCondition(Struct, frozen=True, kw_only=True, tag_field="kind", tag="c
     topic: str
     property: str
     op: Operator
-    value: float | str
+    value: Compared
     until: UntilValue | None = None
     offset: int = 0
     end_offset: int = 0
@@ -112,11 +115,22 @@ class _PlacedStatement(Struct, frozen=True, kw_only=True):
     line: int = 0
 
 
+class MarginValue(Struct, frozen=True, kw_only=True):
+    """``.. to By topic property from .. to``: the rate goes to another one as a value goes to another one."""
+
+    to: Rate
+    topic: str
+    property: str
+    from_value: float
+    to_value: float
+
+
 class SetStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="set"):
-    """``SetFrequency topic rate``: a default, or what a rule sets (then ``id`` and ``key`` are empty)."""
+    """``SetFrequency topic rate [margin]``: a default, or in a rule, without ``id`` and ``key``."""
 
     topic: str
     rate: Rate
+    margin: MarginValue | None = None
 
 
 Bound = float | Tier
@@ -140,7 +154,30 @@ class RecordStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="ki
     after: DurationValue
 
 
-Action = SetStatement | WithinStatement | RecordStatement
+class ParameterStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="parameter"):
+    """``SetParameter node parameter value`` in a rule; the value as a rule file spells it: 1 is no 1.0."""
+
+    node: str
+    parameter: str
+    value: str
+
+
+class CallStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="call"):
+    """``Call service [true | false]`` in a rule."""
+
+    service: str
+    argument: bool | None = None
+
+
+class NotifyStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="notify"):
+    """``Notify "text"`` in a rule."""
+
+    text: str
+
+
+Action = (
+    SetStatement | WithinStatement | RecordStatement | ParameterStatement | CallStatement | NotifyStatement
+)
 
 
 class KeepStatement(_PlacedStatement, frozen=True, kw_only=True, tag_field="kind", tag="keep"):
