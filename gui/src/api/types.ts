@@ -174,13 +174,15 @@ export interface CheckCondition {
  * The values of a check's property in bins of `bin_s`, and what held when; times are since the start.
  *
  * `least` and `greatest` are those that the check met in each bin, null where it was unknown
- * throughout. `check` and `condition` say what each turned to when, in at most 2000 turns.
+ * throughout. Of one that compares with no number, `words` say what it read from when on, null where that
+ * was unknown. `check` and `condition` say what each turned to when; all these turn at most 2000 times.
  */
 export interface CheckCourse {
   duration_s: number;
   bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
+  words: [number, string | null][];
   check: BlockTurns;
   condition: BlockTurns;
   notices: string[];
@@ -427,6 +429,9 @@ export interface FetchesAnswer {
   fetches: FetchState[];
   heard: string[];
 }
+
+/** What a field holds; the value is its name in JSON. */
+export type FieldKind = "number" | "text" | "truth";
 
 /** The text of a file with its SHA-256, which a later PUT names. */
 export interface FileAnswer {
@@ -1182,12 +1187,15 @@ export interface Project {
 /**
  * A property that a check can read or a bound can be about.
  *
+ * `words` are what it can be equal to, beside a number or a text: true and false, or constants.
  * `levels` are the loosest and the tightest bound of each of the six levels, where the profile has them.
  */
 export interface Property {
   name: string;
   unit: string;
   meaning: string;
+  kind: FieldKind;
+  words: string[];
   levels: [number, number][] | null;
 }
 
@@ -1283,6 +1291,25 @@ export interface RecordStatement {
   after: DurationValue;
 }
 
+/** A field by its path, as checks write it, and the first 50 texts that it had, sorted. */
+export interface RecordedField {
+  path: string;
+  kind: FieldKind;
+  texts: string[];
+}
+
+/** Fields of a topic in its first 20 000 messages; those of named elements are after those of any. */
+export interface RecordedWords {
+  fields: RecordedField[];
+}
+
+/** A topic of a bag; `run` names the work in `Progress` messages of `/ws`. */
+export interface RecordedWordsRequest {
+  bag: string;
+  topic: string;
+  run?: string;
+}
+
 /** Its topics by name, how long it is, and a rule file that relays every message of them. */
 export interface RecordingAnswer {
   topics: string[];
@@ -1374,7 +1401,8 @@ export interface RobotCheck {
 /**
  * The least and the greatest value of check number `check` in bins of `bin_s`, from `first_bin_s`.
  *
- * Null where no status said a value. `turns` say what the check turned to when.
+ * Null where no status said a value. Of a check that compares with no number, `words` say what it read
+ * from when on. `turns` say what the check turned to when.
  */
 export interface RobotCheckValues {
   check: number;
@@ -1382,6 +1410,7 @@ export interface RobotCheckValues {
   first_bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
+  words: [number, string | null][];
   turns: [number, Truth][];
 }
 
@@ -2151,6 +2180,7 @@ export interface Routes {
   "POST /api/push/write": { asked: PushedRequest; answered: WriteAnswer };
   "POST /api/recording": { asked: BagRequest; answered: RecordingAnswer };
   "PUT /api/recording": { asked: null; answered: ReceivedAnswer };
+  "POST /api/recording/words": { asked: RecordedWordsRequest; answered: RecordedWords };
   "GET /api/robot-incidents": { asked: null; answered: RobotIncidentsAnswer };
   "POST /api/robot-incidents/cancel": { asked: RobotIncidentRequest; answered: FetchesAnswer };
   "POST /api/robot-incidents/fetch": { asked: RobotIncidentRequest; answered: FetchesAnswer };

@@ -3,9 +3,10 @@
 import * as Blockly from "blockly/core";
 import type { Action, CheckCondition, PlacedFinding, Statement, Truth } from "../api/types";
 import { checksOf } from "../state/statements";
-import { readable } from "../ui/numbers";
+import { readable, valueText } from "../ui/numbers";
+import { ACTION_TYPES } from "./action_model";
 import type { CheckState, RuleState, TimeState } from "./live_states";
-import { ACTION_TYPES, FOLDED, stacked, type TimePart, timesOn } from "./model";
+import { FOLDED, stacked, type TimePart, timesOn } from "./model";
 import type { Slot } from "./slots";
 
 const GAP = 10;
@@ -113,7 +114,7 @@ const IN_MIN_FROM_S = 120;
 
 /** What a badge says of a check, with the value that it reads. */
 export function checkWords({ state, value }: CheckState, unit: string): string {
-  const shown = value === null ? "" : ` ${readable(value)}${unit && ` ${unit}`}`;
+  const shown = value === null ? "" : ` ${valueText(value)}${unit && ` ${unit}`}`;
   return `${CHECK_WORDS[state]}${shown}`;
 }
 

@@ -2,12 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import type { RuleStatement } from "../api/types";
+import { ACTION, appendAdders, defineActionBlocks, type PartAdders } from "./action_blocks";
 import { CLOCK_METHODS, chooseTime } from "./clocks";
 import {
   button,
   CLOCK,
   COPY,
   chain,
+  comparedField,
   DOWN,
   MINUS,
   numberField,
@@ -16,35 +18,18 @@ import {
   PLUS,
   propertyField,
   SHUT,
-  SuggestionField,
   type Suggestions,
   SWITCH,
   textField,
-  thresholdField,
-  timeUnitField,
   topicField,
   UP,
 } from "./fields";
 import { FOLDED, type FoldedRule, type RuleBlock } from "./model";
-import {
-  ALL_TOPICS,
-  boundProblem,
-  parseBound,
-  parseRate,
-  parseTopics,
-  rateProblem,
-  rateText,
-  ruleName,
-  ruleSets,
-  topicsText,
-} from "./rule_words";
+import { ruleName, ruleSets } from "./rule_words";
 
 /** What the small buttons on blocks do. */
-export interface BlockButtons {
+export interface BlockButtons extends PartAdders {
   addCheck(block: Blockly.BlockSvg): void;
-  addRate(block: Blockly.BlockSvg, input: string): void;
-  addBound(block: Blockly.BlockSvg, input: string): void;
-  addRecord(block: Blockly.BlockSvg, input: string): void;
   toggleElse(block: Blockly.BlockSvg): void;
   remove(block: Blockly.BlockSvg): void;
   /** Folds a rule to one line, or unfolds it. */
@@ -66,7 +51,6 @@ const SWITCH_OFF = "Switch this rule off";
 const SWITCH_ON = "Switch this rule on";
 const OFF_WORDS = "⊘ switched off";
 const CONDITION = "Condition";
-const ACTION = "Action";
 const LONGEST_RAW_LINES = 8;
 
 type Init = (this: Blockly.BlockSvg) => void;
@@ -93,18 +77,23 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
     function () {
       this.appendDummyInput()
         .appendField("", "JOIN")
-        .appendField(topicField(suggest, "topic to check", suggest.vitalsChoices), "TOPIC")
+        .appendField(
+          topicField(suggest, "topic to check", () => suggest.vitalsChoices()),
+          "TOPIC",
+        )
         .appendField(
           propertyField("pose_x", (topic) => suggest.properties(topic)),
           "PROPERTY",
         )
         .appendField(operatorField(), "OP")
-        .appendField(thresholdField(suggest), "VALUE")
+        .appendField(comparedField(suggest), "VALUE")
         .appendField(new Blockly.FieldLabel(""), "UNIT")
         .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
         .appendField(removeButton("Remove this check"));
       chain(this, CONDITION, "check");
-      this.setTooltip("Compares a property of the newest message of the topic with a number.");
+      this.setTooltip(
+        "Compares a property of the newest message of the topic with a number, a text, true, false or a constant.",
+      );
     },
     CLOCK_METHODS,
   );
@@ -211,135 +200,11 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
   });
 }
 
-/** Puts a button for each thing that a part of a rule can hold behind the part's name. */
-function appendAdders(head: Blockly.Input, part: string, ofPart: string, buttons: BlockButtons): void {
-  head
-    .appendField(button(PLUS, `Add rate${ofPart}`, (block) => buttons.addRate(block, part)))
-    .appendField("rate")
-    .appendField(button(PLUS, `Add bound${ofPart}`, (block) => buttons.addBound(block, part)))
-    .appendField("bound")
-    .appendField(button(PLUS, `Add recording${ofPart}`, (block) => buttons.addRecord(block, part)))
-    .appendField("recording");
-}
-
 /** Fills a raw block with the first lines of its text. */
 export function showRawText(block: Blockly.Block, text: string): void {
   const lines = text.split(/\r?\n/);
   const shown = lines.length > LONGEST_RAW_LINES ? [...lines.slice(0, LONGEST_RAW_LINES), "…"] : lines;
   for (const line of shown) block.appendDummyInput().appendField(line.replaceAll("\t", "  ") || " ");
-}
-
-type Remove = (block: Blockly.BlockSvg) => void;
-
-/** Defines the blocks that say what happens: rates, floors, bounds and recordings. */
-function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
-  const define = (type: string, init: Init) => {
-    Blockly.Blocks[type] = { init };
-  };
-  const removeButton = (label: string) => button(MINUS, label, remove);
-
-  define("adirf_set", function () {
-    const unit = new Blockly.FieldLabel("Hz");
-    this.appendDummyInput()
-      .appendField("set frequency of")
-      .appendField(topicField(suggest, "topic to send"), "TOPIC")
-      .appendField("to")
-      .appendField(rateField(suggest, unit), "RATE")
-      .appendField(unit, "UNIT")
-      .appendField(removeButton("Remove this rate"));
-    chain(this, ACTION, "rate");
-    this.setTooltip("Relays the topic at this rate. Inside a rule: while the rule's condition holds.");
-  });
-
-  define("adirf_keep", function () {
-    this.appendDummyInput()
-      .appendField("keep")
-      .appendField(topicField(suggest, "topic to keep"), "TOPIC")
-      .appendField("at least at")
-      .appendField(numberField("1", "floor in Hz", 0), "HZ")
-      .appendField("Hz")
-      .appendField(removeButton("Remove this floor"));
-    this.setStyle("floor");
-    this.setTooltip("A floor: no rule and no optimizer goes below it.");
-  });
-
-  define("adirf_within", function () {
-    this.appendDummyInput()
-      .appendField("keep")
-      .appendField(topicField(suggest, "topic to bound"), "TOPIC")
-      .appendField(
-        propertyField("position", (topic) => suggest.bounds(topic)),
-        "PROPERTY",
-      )
-      .appendField("within")
-      .appendField(boundField(suggest), "BOUND")
-      .appendField(new Blockly.FieldLabel("m"), "UNIT")
-      .appendField(removeButton("Remove this bound"));
-    chain(this, ACTION, "floor");
-    this.setTooltip("The operator's picture of the property is at most so much off; 0 lets every change pass.");
-  });
-
-  define("adirf_record", function () {
-    this.appendDummyInput()
-      .appendField("record")
-      .appendField(textField("incident", "name of the recording", "name this recording", filled), "NAME")
-      .appendField(topicsField(suggest), "TOPICS");
-    const window = this.appendDummyInput();
-    for (const [word, value] of [
-      ["before", 30],
-      ["after", 10],
-    ] as const) {
-      const name = word.toUpperCase();
-      window
-        .appendField(word)
-        .appendField(numberField(String(value), `time ${word}`, 0), name)
-        .appendField(timeUnitField(`unit of the time ${word}`), `${name}_UNIT`);
-    }
-    window.appendField(removeButton("Remove this recording"));
-    chain(this, ACTION, "record");
-    this.setTooltip("When the rule begins to hold, keeps the topics as they were at the source, from before to after.");
-  });
-}
-
-function rateField(suggest: Suggestions, unit: Blockly.FieldLabel): SuggestionField {
-  const offer = {
-    hint: "Or type a number of Hz",
-    choices: (block: Blockly.Block) => suggest.rates(String(block.getFieldValue("TOPIC"))),
-    isWhole: (text: string) => parseRate(text) !== null,
-    refusal: rateProblem,
-  };
-  return new SuggestionField("10", offer, "rate", (text) => {
-    const parsed = parseRate(text);
-    unit.setValue(parsed?.kind === "hz" ? "Hz" : "");
-    return parsed === null ? null : rateText(parsed);
-  });
-}
-
-function boundField(suggest: Suggestions): SuggestionField {
-  const text = (block: Blockly.Block, field: string) => String(block.getFieldValue(field));
-  const offer = {
-    hint: "Or type a number",
-    choices: (block: Blockly.Block) => suggest.boundLevels(text(block, "TOPIC"), text(block, "PROPERTY")),
-    isWhole: (typed: string) => parseBound(typed) !== null,
-    refusal: boundProblem,
-  };
-  return new SuggestionField("0.05", offer, "bound", (typed) => parseBound(typed)?.toString() ?? null);
-}
-
-function topicsField(suggest: Suggestions): SuggestionField {
-  const read = (text: string) => topicsText(parseTopics(text));
-  const offer = {
-    hint: "Several topics have a blank between them",
-    choices: () => [{ word: ALL_TOPICS, note: "whatever they are by then" }, ...suggest.topicChoices()],
-    isWhole: (text: string) => text === "" || text.startsWith("/") || text === ALL_TOPICS,
-    refusal: () => "",
-    head: (text: string) => /^.*[\s,]/.exec(text)?.[0] ?? "",
-  };
-  return new SuggestionField(topicsText([]), offer, "topics to record", read);
-}
-
-function filled(text: string): string | null {
-  return text.trim() || null;
 }
 
 interface FoldedState {

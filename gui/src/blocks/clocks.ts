@@ -4,6 +4,7 @@ import * as Blockly from "blockly/core";
 import type { Operator, TimeWord } from "../api/types";
 import { button, choiceField, MINUS, numberField, operatorField, timeUnitField } from "./fields";
 import { type ClockState, type TimePart, timeFields, timesOn } from "./model";
+import type { ComparedField } from "./number_field";
 import { openField } from "./open_field";
 
 const TIME_WORDS: [string, TimeWord][] = [
@@ -31,7 +32,7 @@ export const CLOCK_METHODS = {
 /** Lets somebody choose the time to give to a condition, in a menu below the clock on its block. */
 export function chooseTime(block: Blockly.BlockSvg, clock: Blockly.FieldImage): void {
   if (block.isInFlyout) return;
-  openMenu(timeChoices(block), block.workspace, clock.getSvgRoot()?.getBoundingClientRect());
+  openMenu(timeChoices(block), block, clock);
 }
 
 /** The times that a condition can have, and the end of a check. */
@@ -96,7 +97,7 @@ function showUntil(block: Blockly.BlockSvg, shown: boolean): void {
     .appendDummyInput("UNTIL")
     .appendField("until")
     .appendField(operatorField("comparison of the end"), "UNTIL_OP")
-    .appendField(numberField("0", "value of the end"), "UNTIL_VALUE")
+    .appendField((block.getField("VALUE") as unknown as ComparedField).forEnd("value of the end"), "UNTIL_VALUE")
     .appendField(new Blockly.FieldLabel(""), "UNTIL_UNIT")
     .appendField(button(MINUS, "Remove this end", () => removeUntil(block)));
   if (block.getInput("TIME0")) block.moveInputBefore("UNTIL", "TIME0");
@@ -108,7 +109,7 @@ function removeUntil(block: Blockly.BlockSvg): void {
 }
 
 /** Changes the rows of a block as one step that listeners hear of. */
-function change(block: Blockly.BlockSvg, act: () => void): void {
+export function change(block: Blockly.BlockSvg, act: () => void): void {
   Blockly.Events.setGroup(true);
   const state = () => JSON.stringify(block.saveExtraState?.() ?? null);
   const before = state();
@@ -117,7 +118,7 @@ function change(block: Blockly.BlockSvg, act: () => void): void {
   Blockly.Events.setGroup(false);
 }
 
-function focus(block: Blockly.BlockSvg, name: string): void {
+export function focus(block: Blockly.BlockSvg, name: string): void {
   const field = block.getField(name);
   if (field) Blockly.getFocusManager().focusNode(field);
 }
@@ -129,10 +130,11 @@ export interface Choice {
   callback: () => void;
 }
 
-/** Opens a menu below a place of the page; Enter takes its first line. */
-function openMenu(choices: readonly Choice[], workspace: Blockly.WorkspaceSvg, below: DOMRect | undefined): void {
+/** Opens a menu below a button on a block; Enter takes its first line. */
+export function openMenu(choices: readonly Choice[], block: Blockly.BlockSvg, button: Blockly.FieldImage): void {
+  const below = button.getSvgRoot()?.getBoundingClientRect();
   const place = new Blockly.utils.Coordinate(below?.left ?? 0, below?.bottom ?? 0);
-  Blockly.ContextMenu.show(new Event("click"), [...choices], false, workspace, place);
+  Blockly.ContextMenu.show(new Event("click"), [...choices], false, block.workspace, place);
   const menu = Blockly.ContextMenu.getMenu();
   menu?.setHighlighted(null);
   menu?.highlightNext();

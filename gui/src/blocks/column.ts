@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import { DEFAULT_TYPES, FOLDED } from "./model";
+import { DEFAULT_TYPES } from "./action_model";
+import { FOLDED } from "./model";
 import { statementOf } from "./slots";
 
 type Block = Blockly.BlockSvg;

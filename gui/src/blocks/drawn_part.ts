@@ -3,10 +3,12 @@
 import * as Blockly from "blockly/core";
 import type { RuleDocument, Statement } from "../api/types";
 import { checksOf, type Folds, statementsIn } from "../state/statements";
+import { DEFAULT_TYPES } from "./action_model";
 import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
-import type { Suggestions } from "./fields";
-import { DEFAULT_TYPES, FOLDED, fingerprint, toBlock } from "./model";
+import { comparedIn } from "./compared";
+import { type Suggestions, textOf } from "./fields";
+import { FOLDED, fingerprint, toBlock } from "./model";
 import { parseBound } from "./rule_words";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
 
@@ -298,12 +300,20 @@ export function showJoins(workspace: Blockly.WorkspaceSvg, suggest: Suggestions)
   for (const block of workspace.getAllBlocks(false)) {
     if (block.isInsertionMarker()) continue;
     if (CONDITIONS.has(block.type)) write(block, "JOIN", joinOf(block));
+    if (block.getField("BY_UNIT")) {
+      write(block, "BY_UNIT", suggest.unit(textOf(block, "BY_TOPIC"), textOf(block, "BY_PROPERTY")));
+    }
     if (block.type !== "adirf_check" && block.type !== "adirf_within") continue;
-    const unit = suggest.unit(String(block.getFieldValue("TOPIC")), String(block.getFieldValue("PROPERTY")));
-    const isLevel = typeof parseBound(String(block.getFieldValue("BOUND"))) === "string";
-    write(block, "UNIT", isLevel ? "" : unit);
-    write(block, "UNTIL_UNIT", unit);
+    const unit = suggest.unit(textOf(block, "TOPIC"), textOf(block, "PROPERTY"));
+    const isLevel = typeof parseBound(textOf(block, "BOUND")) === "string";
+    write(block, "UNIT", isLevel || isWord(block, "VALUE") ? "" : unit);
+    write(block, "UNTIL_UNIT", isWord(block, "UNTIL_VALUE") ? "" : unit);
   }
+}
+
+/** Whether a check compares with something else than a number, which has no unit. */
+function isWord(block: Blockly.Block, field: string): boolean {
+  return block.getField(field) !== null && typeof comparedIn(block.getFieldValue(field)) === "string";
 }
 
 function write(block: Blockly.Block, name: string, text: string): void {

@@ -5,14 +5,19 @@ import { effect } from "@preact/signals";
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
 import { Picker, type PickerChoice } from "../ui/picker";
-import { type DrawValues, NumberField, ThresholdField } from "./number_field";
+import { ComparedField, type DrawValues, NumberField } from "./number_field";
 import { openNext, type QuietField, takeKey } from "./open_field";
+
+/** What an action names: the node of a parameter, a parameter of some node, or a service. */
+export type Allowed = { kind: "node" | "service" } | { kind: "parameter"; node: string };
 
 /** What the blocks suggest. */
 export interface Suggestions {
   topics(): readonly string[];
   /** Topics with their types, rates and users. */
   topicChoices(): readonly PickerChoice[];
+  /** Patterns that stand for all topics of a kind. */
+  patternChoices(): readonly PickerChoice[];
   /** What checks can name in the place of a topic: the machine and the link. */
   vitalsChoices(): readonly PickerChoice[];
   /** What checks can read of a topic. */
@@ -23,6 +28,10 @@ export interface Suggestions {
   rates(topic: string): readonly PickerChoice[];
   /** Levels of a bound with the numbers that they mean. */
   boundLevels(topic: string, property: string): readonly PickerChoice[];
+  /** What a property can be equal to, in words; null where it is a number for sure. */
+  words(topic: string, property: string): readonly PickerChoice[] | null;
+  /** What the rules may set and call on the robot. */
+  allowed(what: Allowed): readonly PickerChoice[];
   unit(topic: string, property: string): string;
   drawValues: DrawValues;
 }
@@ -53,6 +62,7 @@ export const UP = icon("M12 17V7M8 11l4-4 4 4");
 export const DOWN = icon("M12 7v10M8 13l4 4 4-4");
 export const OPEN = icon("M10 8l4 4-4 4");
 export const SHUT = icon("M8 10l4 4 4-4");
+export const SLOPE = icon("M6 17h3l6-9h3");
 export const CLOCK = icon("M12 5a7 7 0 1 0 .01 0M12 8v4l3 2");
 
 type Act = (block: Blockly.BlockSvg, field: Blockly.FieldImage) => void;
@@ -78,24 +88,46 @@ export function topicField(
   return new SuggestionField("/odom", offer, label, oneWord as Blockly.FieldTextInputValidator);
 }
 
-export function propertyField(value: string, choices: (topic: string) => readonly PickerChoice[]): SuggestionField {
+export function propertyField(
+  value: string,
+  choices: (topic: string) => readonly PickerChoice[],
+  topic = "TOPIC",
+): SuggestionField {
   const offer = {
-    hint: "Any field of the message can be typed, such as pose.pose.position.z",
-    choices: (block: Blockly.Block) => choices(String(block.getFieldValue("TOPIC"))),
+    hint: 'Any field of the message can be typed, such as pose.pose.position.z or status["lidar"].level',
+    choices: (block: Blockly.Block) => choices(textOf(block, topic)),
     // A path of fields, such as pose.covariance[0].
     isWhole: (text: string) => /[.[]/.test(text),
-    refusal: (text: string) => (oneWord(text) === null ? "A property is one word, such as pose_x" : ""),
+    refusal: (text: string) => (oneProperty(text) === null ? "A property is one word, such as pose_x" : ""),
   };
-  return new SuggestionField(value, offer, "property", oneWord as Blockly.FieldTextInputValidator);
+  return new SuggestionField(value, offer, "property", oneProperty as Blockly.FieldTextInputValidator);
+}
+
+/** A name of one word, from a list or any other. */
+export function nameField(
+  value: string,
+  label: string,
+  hint: string,
+  choices: (block: Blockly.Block) => readonly PickerChoice[],
+): SuggestionField {
+  const refusal = (text: string) => (oneWord(text) === null ? "A name is one word" : "");
+  const offer = { hint, choices, isWhole: (text: string) => text.startsWith("/"), refusal };
+  return new SuggestionField(value, offer, label, oneWord as Blockly.FieldTextInputValidator);
+}
+
+/** What a field of a block says. */
+export function textOf(block: Blockly.Block, field: string): string {
+  return String(block.getFieldValue(field));
 }
 
 export function numberField(value: string, label: string, minimum?: number): Blockly.FieldNumber {
   return new NumberField(value, label, minimum);
 }
 
-/** The threshold of a check, beside the values that it is compared with. */
-export function thresholdField(suggest: Suggestions): Blockly.FieldNumber {
-  return new ThresholdField("0", "value", (...of) => suggest.drawValues(...of));
+/** What a check compares with, beside the words or the values of its property. */
+export function comparedField(suggest: Suggestions): Blockly.FieldNumber {
+  const words = (block: Blockly.Block) => suggest.words(textOf(block, "TOPIC"), textOf(block, "PROPERTY"));
+  return new ComparedField("0", "value", words, (...of) => suggest.drawValues(...of));
 }
 
 export function textField(
@@ -259,4 +291,10 @@ export class SuggestionField extends Blockly.FieldTextInput implements QuietFiel
 function oneWord(text: string): string | null {
   const word = text.trim();
   return /^\S+$/.test(word) ? word : null;
+}
+
+/** As `oneWord`; the name of an element may have blanks inside its quotes. */
+function oneProperty(text: string): string | null {
+  const word = text.trim();
+  return /^(?:[^\s"]|\["(?:[^"\\]|\\.)*"\])+$/.test(word) ? word : null;
 }

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
+import type { Compared, Condition, Live, RobotCheck, RuleDocument, TimedCondition, Truth } from "../api/types";
 import { checksOf, statementsIn } from "../state/statements";
 
 /** What a robot says of one check now. */
 export interface CheckState {
   state: Truth;
-  value: number | null;
+  value: number | string | null;
 }
 /** What a robot says of a `For` now: for how long it has held; of a `Within`: for how long it has not. */
 export interface TimeState {
@@ -67,7 +67,7 @@ function numbered(labels: readonly string[]): string[] {
   });
 }
 
-function words(check: { topic: string; property: string; op: string; value: number }): string {
+function words(check: { topic: string; property: string; op: string; value: Compared }): string {
   return `${check.topic} ${check.property} ${check.op} ${check.value}`;
 }
 

@@ -5,15 +5,17 @@ import type {
   Action,
   CheckCondition,
   Condition,
-  DurationUnit,
   DurationValue,
   Operator,
   RuleStatement,
+  SetStatement,
   Statement,
   TimedCondition,
   TimeWord,
+  WithinStatement,
 } from "../api/types";
-import { parseBound, parseRate, parseTopics, rateText, topicsText } from "./rule_words";
+import { actionBlock, actionPrint, durationOf, durationPrint, toAction } from "./action_model";
+import { comparedIn } from "./compared";
 
 type State = Blockly.serialization.blocks.State;
 
@@ -76,16 +78,16 @@ export function toStatement(block: Blockly.Block): Statement | { missing: string
   switch (block.type) {
     case "adirf_set":
     case "adirf_within":
-      return { ...(toAction(block) as Exclude<Action, { kind: "record" }>), comments };
+      return { ...(toAction(block) as SetStatement | WithinStatement), comments };
     case "adirf_keep":
       return { kind: "keep", topic: text("TOPIC"), hz: Number(text("HZ")), comments };
     case "adirf_rule": {
       const condition = conditionIn(block, "IF");
       if (condition === null) return { missing: "IF needs a check" };
       const then = actions(block, "THEN");
-      if (then.length === 0) return { missing: "THEN needs a rate, a bound or a recording" };
+      if (then.length === 0) return { missing: "THEN needs a rate, a bound, a recording or an action" };
       if (block.getInput("ELSE") && actions(block, "ELSE").length === 0) {
-        return { missing: "ELSE needs a rate, a bound or a recording" };
+        return { missing: "ELSE needs a rate, a bound, a recording or an action" };
       }
       const name = text("NAME").trim() || null;
       const priority = name === null ? 0 : Number(text("PRIORITY"));
@@ -262,10 +264,11 @@ function toCheck(block: Blockly.Block): CheckCondition {
     topic: String(block.getFieldValue("TOPIC")),
     property: String(block.getFieldValue("PROPERTY")),
     op: block.getFieldValue("OP") as Operator,
-    value: Number(block.getFieldValue("VALUE")),
+    value: comparedIn(block.getFieldValue("VALUE")),
   };
   if (!block.getField("UNTIL_OP")) return check;
-  const until = { op: block.getFieldValue("UNTIL_OP") as Operator, value: Number(block.getFieldValue("UNTIL_VALUE")) };
+  const value = comparedIn(block.getFieldValue("UNTIL_VALUE"));
+  const until = { op: block.getFieldValue("UNTIL_OP") as Operator, value };
   return { ...check, until };
 }
 
@@ -287,81 +290,4 @@ function conditionPrint(condition: Condition): unknown {
         : [condition.kind, ...condition.terms.map(conditionPrint)];
     }
   }
-}
-
-/** The blocks that stand in THEN and ELSE. */
-export const ACTION_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within", "adirf_record"]);
-/** The blocks of THEN and ELSE that outside rules are defaults, which hang together. */
-export const DEFAULT_TYPES: ReadonlySet<string> = new Set(["adirf_set", "adirf_within"]);
-
-/** A part of THEN or ELSE as a block to load. */
-function actionBlock(action: Action): State {
-  switch (action.kind) {
-    case "set":
-      return { type: "adirf_set", fields: { TOPIC: action.topic, RATE: rateText(action.rate) } };
-    case "within":
-      return {
-        type: "adirf_within",
-        fields: { TOPIC: action.topic, PROPERTY: action.property, BOUND: String(action.bound) },
-      };
-    case "record":
-      return {
-        type: "adirf_record",
-        fields: {
-          NAME: action.name,
-          TOPICS: topicsText(action.topics),
-          BEFORE: action.before.value,
-          BEFORE_UNIT: action.before.unit,
-          AFTER: action.after.value,
-          AFTER_UNIT: action.after.unit,
-        },
-      };
-  }
-}
-
-/** What a block of THEN or ELSE says; null for a block of another kind. */
-function toAction(block: Blockly.Block): Action | null {
-  const text = (name: string) => String(block.getFieldValue(name));
-  switch (block.type) {
-    case "adirf_set":
-      return { kind: "set", topic: text("TOPIC"), rate: parseRate(text("RATE")) ?? { kind: "full", value: null } };
-    case "adirf_within":
-      return {
-        kind: "within",
-        topic: text("TOPIC"),
-        property: text("PROPERTY"),
-        bound: parseBound(text("BOUND")) ?? 0,
-      };
-    case "adirf_record":
-      return {
-        kind: "record",
-        name: text("NAME"),
-        topics: parseTopics(text("TOPICS")),
-        before: durationOf(block, "BEFORE", "BEFORE_UNIT"),
-        after: durationOf(block, "AFTER", "AFTER_UNIT"),
-      };
-    default:
-      return null;
-  }
-}
-
-/** The time that two fields of a block say. */
-function durationOf(block: Blockly.Block, value: string, unit: string): DurationValue {
-  return { value: Number(block.getFieldValue(value)), unit: block.getFieldValue(unit) as DurationUnit };
-}
-
-/** The meaning of an action, to compare. */
-function actionPrint(action: Action): unknown[] {
-  switch (action.kind) {
-    case "set":
-      return ["set", action.topic, rateText(action.rate)];
-    case "within":
-      return ["within", action.topic, action.property, action.bound];
-    case "record":
-      return ["record", action.name, action.topics, durationPrint(action.before), durationPrint(action.after)];
-  }
-}
-
-function durationPrint({ value, unit }: DurationValue): string {
-  return `${value} ${unit}`;
 }

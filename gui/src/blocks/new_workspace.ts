@@ -5,6 +5,7 @@ import * as english from "blockly/msg/en";
 import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
 import type { PickerChoice } from "../ui/picker";
 import { isNarrow, styleOf } from "../ui/watch";
+import { ACTION_TYPES } from "./action_model";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
 import { type MenuPage, useOwnMenus } from "./menus";
@@ -28,6 +29,7 @@ export function newWorkspace(
     addRate: (block, input) => addRate(block, input, suggestions.topics()),
     addBound: (block, input) => addBound(block, input, suggestions),
     addRecord,
+    addAct,
     toggleElse: (block) => toggleElse(block, suggestions.topics()),
     remove: (block) => block.checkAndDelete(),
     toggleFold,
@@ -162,6 +164,13 @@ function addRecord(block: Blockly.BlockSvg, input: string): void {
   append(block, input, "adirf_record", {}, "NAME");
 }
 
+function addAct(block: Blockly.BlockSvg, input: string, type: string): void {
+  append(block, input, type, {}, ACT_FIELDS[type] ?? "TEXT");
+}
+
+/** The field that is opened of a new block of what a rule does. */
+const ACT_FIELDS: Readonly<Record<string, string>> = { adirf_parameter: "NODE", adirf_call: "SERVICE" };
+
 function toggleElse(block: Blockly.BlockSvg, topics: readonly string[]): void {
   Blockly.Events.setGroup(true);
   const rule = block as RuleBlock;
@@ -220,6 +229,7 @@ function addBeside(block: Blockly.BlockSvg, parent: Blockly.BlockSvg, buttons: B
   if (block.type === "adirf_set") buttons.addRate(parent, part);
   else if (block.type === "adirf_within") buttons.addBound(parent, part);
   else if (block.type === "adirf_record") buttons.addRecord(parent, part);
+  else if (ACTION_TYPES.has(block.type)) buttons.addAct(parent, part, block.type);
   else buttons.addCheck(parent);
 }
 
@@ -278,6 +288,7 @@ const BLOCK_STYLES = {
   rule: { colourPrimary: "#a2590c", colourSecondary: "#f7e5cf", colourTertiary: "#7a4207" },
   check: { colourPrimary: "#1f7a55", colourSecondary: "#d3efe3", colourTertiary: "#14573c" },
   record: { colourPrimary: "#9b2c55", colourSecondary: "#f9dde7", colourTertiary: "#6f1d3b" },
+  act: { colourPrimary: "#0f6a74", colourSecondary: "#d2edf0", colourTertiary: "#0a4b52" },
   raw: { colourPrimary: "#5b6472", colourSecondary: "#e3e6ea", colourTertiary: "#434b57" },
 };
 
@@ -296,6 +307,7 @@ export function blocklyTheme(root: HTMLElement): Blockly.Theme {
       check: { colour: BLOCK_STYLES.check.colourPrimary },
       floor: { colour: BLOCK_STYLES.floor.colourPrimary },
       record: { colour: BLOCK_STYLES.record.colourPrimary },
+      act: { colour: BLOCK_STYLES.act.colourPrimary },
     },
     componentStyles: {
       workspaceBackgroundColour: colour("--canvas"),
@@ -326,6 +338,10 @@ const rule = (condition: Condition, then: SetStatement[]) =>
 /** The rule that a new project's first rule block is. */
 export const NEW_RULE = rule(check("/odom", "pose_x", ">", 0), [set("/odom", 10)]);
 export const NEW_RATE = set("/odom", 10);
+const MARGIN_RATE: SetStatement = {
+  ...set("/scan", 2),
+  margin: { to: { kind: "hz", value: 20 }, topic: "/scan", property: "distance", from_value: 3, to_value: 0.5 },
+};
 const TIMES: Record<string, unknown>[] = [
   { extraState: { times: 1 }, fields: { WORD0: "For" } },
   { extraState: { times: 1 }, fields: { WORD0: "Within" } },
@@ -342,10 +358,16 @@ function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
         kind: "category",
         name: "Rates",
         categorystyle: "rate",
-        contents: [block(toBlock(NEW_RATE)), block({ type: "adirf_keep" })],
+        contents: [block(toBlock(NEW_RATE)), block(toBlock(MARGIN_RATE)), block({ type: "adirf_keep" })],
       },
       { kind: "category", name: "Bounds", categorystyle: "floor", contents: [block({ type: "adirf_within" })] },
       { kind: "category", name: "Recordings", categorystyle: "record", contents: [block({ type: "adirf_record" })] },
+      {
+        kind: "category",
+        name: "Actions",
+        categorystyle: "act",
+        contents: ["adirf_notify", "adirf_call", "adirf_parameter"].map((type) => block({ type })),
+      },
       { kind: "category", name: "Rules", categorystyle: "rule", contents: [block(toBlock(NEW_RULE))] },
       {
         kind: "category",

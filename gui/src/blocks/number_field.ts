@@ -4,7 +4,8 @@
 import { effect, type Signal, signal } from "@preact/signals";
 import * as Blockly from "blockly/core";
 import { numberProblem, typedNumber } from "../ui/numbers";
-import { FieldPopup } from "../ui/picker";
+import { FieldPopup, Picker, type PickerChoice } from "../ui/picker";
+import { comparedIn, comparedProblem, isOfEquality, isWholeCompared, parseCompared } from "./compared";
 import { type QuietField, takeKey } from "./open_field";
 
 const WIDTH_PX = 380;
@@ -15,7 +16,7 @@ export class NumberField extends Blockly.FieldNumber {
 
   constructor(
     value: string,
-    private readonly label: string,
+    protected readonly label: string,
     minimum?: number,
   ) {
     super(value, minimum);
@@ -48,7 +49,7 @@ export class NumberField extends Blockly.FieldNumber {
   }
 
   /** Why a text is not taken; empty if it is. */
-  private problem(text: string): string {
+  protected problem(text: string): string {
     const least = this.getMin();
     return numberProblem(text) || (typedNumber(text) < least ? `${text.trim()} is less than ${least}` : "");
   }
@@ -75,17 +76,31 @@ export type DrawValues = (host: HTMLElement, block: Blockly.Block, threshold: Si
 
 const KEYS = new Set(["ArrowUp", "ArrowDown", "PageUp", "PageDown"]);
 
-/** The number of a check. A click or an arrow key shows the values that it is compared with; dragging there types. */
-export class ThresholdField extends NumberField implements QuietField {
+/** The words that a check can compare with; null where its property is a number for sure. */
+export type WordsOf = (block: Blockly.Block) => readonly PickerChoice[] | null;
+
+/**
+ * What a check compares with. A click or an arrow key shows the words to choose from, or else the values that a number is
+ * compared with; dragging there types.
+ */
+export class ComparedField extends NumberField implements QuietField {
   private isQuiet = false;
   private stop: (() => void) | null = null;
+  private stopWaiting: (() => void) | null = null;
+  private picker: Picker | null = null;
 
   constructor(
     value: string,
     label: string,
-    private readonly draw: DrawValues,
+    private readonly words: WordsOf,
+    private readonly draw: DrawValues = () => null,
   ) {
     super(value, label);
+  }
+
+  /** A field for what ends the same check. */
+  forEnd(label: string): Blockly.FieldNumber {
+    return new ComparedField("0", label, this.words);
   }
 
   openQuietly(): void {
@@ -94,16 +109,32 @@ export class ThresholdField extends NumberField implements QuietField {
     this.isQuiet = false;
   }
 
+  /** Blockly's own takes numbers alone. */
+  protected override doClassValidation_(value?: unknown): number | null {
+    const number = super.doClassValidation_(value);
+    return number ?? (parseCompared(String(value ?? "")) as number | null);
+  }
+
   protected override widgetCreate_(): HTMLInputElement {
     const input = super.widgetCreate_();
-    input.addEventListener("click", () => this.showValues(input));
-    if (!this.isQuiet) this.showValues(input);
+    if (this.choices() !== null) input.inputMode = "text";
+    if (this.offersWords) this.pick(input);
+    else {
+      input.addEventListener("click", () => this.showValues(input));
+      if (!this.isQuiet) this.showValues(input);
+      // The words of a recording come when it was read.
+      this.stopWaiting = effect(() => {
+        if (this.offersWords) queueMicrotask(() => this.turnToWords(input));
+      });
+    }
     return input;
   }
 
   protected override onHtmlInputKeyDown_(event: KeyboardEvent): void {
     const input = this.htmlInput_;
-    if (!KEYS.has(event.key) || input === null) {
+    if (this.picker?.keyDown(event)) return;
+    if (this.picker !== null || !KEYS.has(event.key) || input === null) {
+      if (event.key === "Escape") this.leave();
       super.onHtmlInputKeyDown_(event);
       return;
     }
@@ -113,14 +144,61 @@ export class ThresholdField extends NumberField implements QuietField {
   }
 
   protected override widgetDispose_(): void {
-    this.stop?.();
-    this.stop = null;
+    const { picker } = this;
+    if (picker?.refusal === "") this.setEditorValue_(picker.word, false);
+    this.leave();
     super.widgetDispose_();
+    const block = this.getSourceBlock();
+    const operator = this.name?.replace("VALUE", "OP") ?? "";
+    if (!block || !isOfEquality(comparedIn(this.getValue())) || block.isDisposed()) return;
+    if (!["=", "!="].includes(String(block.getFieldValue(operator)))) block.setFieldValue("=", operator);
+  }
+
+  protected override problem(text: string): string {
+    return this.choices() === null ? super.problem(text) : comparedProblem(text);
+  }
+
+  private choices(): readonly PickerChoice[] | null {
+    const block = this.getSourceBlock();
+    return block === null ? [] : this.words(block);
+  }
+
+  /** Whether there are words to choose from, or the field has one. */
+  private get offersWords(): boolean {
+    return (this.choices() ?? []).length > 0 || typeof comparedIn(this.getValue()) === "string";
+  }
+
+  private turnToWords(input: HTMLInputElement): void {
+    if (this.htmlInput_ !== input || this.picker !== null) return;
+    this.leave();
+    this.pick(input);
+  }
+
+  private pick(input: HTMLInputElement): void {
+    const picker = new Picker(input, !this.isQuiet, {
+      label: this.label,
+      hint: "Or type a number, a text or a constant",
+      choices: () => this.choices() ?? [],
+      isWhole: isWholeCompared,
+      refusal: (text) => this.problem(text),
+      head: () => "",
+      pressed: () => Blockly.WidgetDiv.hideIfOwner(this),
+    });
+    this.picker = picker;
+    this.stop = effect(() => picker.refresh());
+  }
+
+  private leave(): void {
+    this.stop?.();
+    this.stopWaiting?.();
+    this.stop = this.stopWaiting = null;
+    this.picker?.dispose();
+    this.picker = null;
   }
 
   private showValues(input: HTMLInputElement): void {
     const block = this.getSourceBlock();
-    if (this.stop !== null || block === null) return;
+    if (this.stop !== null || this.picker !== null || block === null) return;
     const threshold = signal(Number(this.getValue()));
     const host = document.createElement("div");
     host.className = "picker-chart";

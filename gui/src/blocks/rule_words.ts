@@ -1,6 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Action, type Bound, type Rate, type RuleStatement, type Statement, TIERS, type Tier } from "../api/types";
+import {
+  type Action,
+  type Bound,
+  type Rate,
+  type RuleStatement,
+  type SetStatement,
+  type Statement,
+  TIERS,
+  type Tier,
+} from "../api/types";
 import { checksOf } from "../state/statements";
 import { numberProblemOr, typedNumber } from "../ui/numbers";
 
@@ -8,12 +17,24 @@ import { numberProblemOr, typedNumber } from "../ui/numbers";
 export function actionWords(action: Action): string {
   switch (action.kind) {
     case "set":
-      return `${action.topic} ${rateText(action.rate)}${action.rate.kind === "hz" ? " Hz" : ""}`;
+      return `${action.topic} ${rateWords(action)}`;
     case "within":
       return `${action.topic} ${action.property} ${action.bound}`;
     case "record":
       return `record ${[action.name, ...action.topics].join(" ")}`;
+    case "parameter":
+      return `${action.node} ${action.parameter} ${action.value}`;
+    case "call":
+      return `call ${action.service}${action.argument == null ? "" : ` ${action.argument}`}`;
+    case "notify":
+      return `notify “${action.text}”`;
   }
+}
+
+/** The rate that a statement sets, with its unit, and what a margin goes by. */
+function rateWords({ rate, margin }: SetStatement): string {
+  const words = (one: Rate) => `${rateText(one)}${one.kind === "hz" ? " Hz" : ""}`;
+  return margin ? `${words(rate)} … ${words(margin.to)} by ${margin.topic} ${margin.property}` : words(rate);
 }
 
 /** What a rule is called, or when it holds. */
@@ -38,10 +59,8 @@ export function ruleSets({ then, else: otherwise }: RuleStatement, mostLetters: 
 /** A statement in a few words, for lists. */
 export function statementTitle(statement: Statement): string {
   switch (statement.kind) {
-    case "set": {
-      const unit = statement.rate.kind === "hz" ? " Hz" : "";
-      return `${statement.topic} at ${rateText(statement.rate)}${unit}`;
-    }
+    case "set":
+      return `${statement.topic} at ${rateWords(statement)}`;
     case "keep":
       return `keep ${statement.topic} at least at ${statement.hz} Hz`;
     case "within":

@@ -1,11 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { ReadonlySignal } from "@preact/signals";
-import { type KnownTopic, type Live, type Property, TIERS, type Vocabulary } from "../api/types";
+import { type KnownTopic, type Live, type Property, type RecordedField, TIERS, type Vocabulary } from "../api/types";
 import type { VocabularyCache } from "../state/statements";
 import type { Trial } from "../state/trial";
-import { hz, readable } from "../ui/numbers";
+import { hz, readable, valueText } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker";
+import { quoted } from "./compared";
 import type { Suggestions } from "./fields";
 import { readChecks } from "./live_states";
 
@@ -20,6 +21,8 @@ interface KnownNow {
   live: ReadonlySignal<Live | null>;
   /** The last try of the rules on a recording. */
   tried: ReadonlySignal<Trial | null>;
+  /** The fields that a topic has in the recording of the rules, as far as it was read by now. */
+  recorded(topic: string): readonly RecordedField[];
 }
 
 /** What is suggested of what is known at the moment; words for a field are read so that an effect follows them. */
@@ -39,8 +42,19 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   return {
     topics: () => vocabulary.peek()?.topics.map(({ topic }) => topic) ?? [],
     topicChoices: () => now.words.offered()?.topics.map((topic) => topicChoice(now, topic)) ?? [],
+    patternChoices: () => patternsOf(vocabulary.peek()?.topics.map(({ topic }) => topic) ?? []),
     vitalsChoices: () => vocabulary.peek()?.vitals.map(({ name, meaning }) => ({ word: name, note: meaning })) ?? [],
-    properties: (topic) => properties(vocabulary.value, topic).map(choice(topic)),
+    properties: (topic) => {
+      const known = properties(vocabulary.value, topic);
+      const names = new Set(known.map(({ name }) => name));
+      const more = now.recorded(topic).filter((field) => !names.has(field.path) && isWorthNaming(field, known));
+      return [...known.map(choice(topic)), ...more.map(recordedChoice)];
+    },
+    words: (topic, name) => {
+      const property = properties(vocabulary.value, topic).find((each) => each.name === name);
+      return wordChoices(now, topic, name, property);
+    },
+    allowed: () => [],
     bounds: (topic) => bounds(vocabulary.value, topic).map(choice(topic)),
     rates: (topic) => [
       { word: "Full", aside: "every message" },
@@ -64,6 +78,55 @@ function topicChoice(now: KnownNow, known: KnownTopic): PickerChoice {
   return { word: known.topic, aside: sourceWords(now, known), note: [known.type, use].filter(Boolean).join(" · ") };
 }
 
+const MOST_PATTERNS = 12;
+
+/** Patterns that stand for at least two topics each: all below a name, and all that end alike. */
+export function patternsOf(topics: readonly string[]): PickerChoice[] {
+  const counts = new Map<string, number>();
+  for (const topic of topics) {
+    const parts = topic.split("/").slice(1);
+    if (parts.length < 2 || parts.some((part) => part.startsWith("_") || part.includes("*"))) continue;
+    for (const pattern of [`/${parts[0]}/**`, `/**/${parts.at(-1)}`]) {
+      counts.set(pattern, (counts.get(pattern) ?? 0) + 1);
+    }
+  }
+  return [...counts]
+    .filter(([, count]) => count > 1)
+    .sort(([, a], [, b]) => b - a)
+    .slice(0, MOST_PATTERNS)
+    .map(([word, count]) => ({ word, aside: `${count} topics now`, note: "all topics of a kind, later ones too" }));
+}
+
+/** What a property can be equal to: its own words, then what it is on the robot and was in a recording. */
+function wordChoices(now: KnownNow, topic: string, name: string, property?: Property): PickerChoice[] | null {
+  const field = now.recorded(topic).find(({ path }) => path === name);
+  const kind = property?.kind ?? field?.kind;
+  const words = property?.words ?? (kind === "truth" ? ["true", "false"] : []);
+  if (kind === "number" && words.length === 0) return null;
+  const check = now.live.value && readChecks(now.live.value).find((each) => isOf(each, topic, name));
+  const value = typeof check?.value === "string" ? [check.value] : [];
+  const texts = (field?.texts ?? []).filter((text) => text !== check?.value);
+  return [
+    ...words.map((word) => ({ word })),
+    ...value.map((text) => ({ word: quoted(text), aside: ON_ROBOT })),
+    ...texts.map((text) => ({ word: quoted(text), aside: "in the recording" })),
+  ];
+}
+
+function isOf(check: { topic: string; property: string }, topic: string, property: string): boolean {
+  return check.topic === topic && check.property === property;
+}
+
+/** Whether a field of a recording is worth a line beside the properties that have names: not each number of a message. */
+function isWorthNaming({ path, kind }: RecordedField, known: readonly Property[]): boolean {
+  return kind !== "number" || path.includes("[") || known.every(({ meaning }) => meaning === "");
+}
+
+function recordedChoice({ path, texts }: RecordedField): PickerChoice {
+  const some = texts.slice(0, 2).map(quoted).join(", ");
+  return { word: path, aside: texts.length > 2 ? `${some}, …` : some, note: "in the recording" };
+}
+
 /** How often a topic comes: on the robot, else in a recording, else by the topic parameters. */
 function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, source_hz }: KnownTopic): string {
   const relayed = live.value?.status.topics[topic];
@@ -78,10 +141,10 @@ function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, 
 }
 
 function propertyChoice({ live, tried }: KnownNow, topic: string, { name, unit, meaning }: Property): PickerChoice {
-  const check = live.value && readChecks(live.value).find((each) => each.topic === topic && each.property === name);
+  const check = live.value && readChecks(live.value).find((each) => isOf(each, topic, name));
   const seen = tried.value;
   const range = seen?.rangeOf(topic, name);
-  const now = check?.value != null ? `now ${readable(check.value)}` : "";
+  const now = check?.value != null ? `now ${valueText(check.value)}` : "";
   const then = seen && range ? `${readable(range[0])} … ${readable(range[1])}` : "";
   const value = now || then;
   const aside = [value, unit].filter(Boolean).join(" ");

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import type { IncidentRecord, Missing, MissingReason } from "../api/types";
-import { counted, readable } from "../ui/numbers";
+import { counted, readable, valueText } from "../ui/numbers";
 
 /** Why an incident is not whole, in a list. */
 const BRIEFLY: Record<MissingReason, string> = {
@@ -76,7 +76,7 @@ export function sinceTrigger(ns: number, triggeredNs: number): string {
 export function valueWords(values: IncidentRecord["values"], units: Readonly<Record<string, string>>): string[] {
   return Object.entries(values).map(([signal, value]) => {
     const unit = units[signal] ?? "";
-    return `${signal} was ${value === null ? "unknown or infinite" : `${readable(value)}${unit && ` ${unit}`}`}`;
+    return `${signal} was ${value === null ? "unknown or infinite" : `${valueText(value)}${unit && ` ${unit}`}`}`;
   });
 }
 

@@ -3,7 +3,7 @@
 import { type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
-import { BlocksPane, valuesOfRecording } from "../panels/blocks_pane";
+import { BlocksPane, recordingOfRules } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
 import { OptimizePanel } from "../panels/optimize_panel";
@@ -38,7 +38,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const tries = useMemo(() => editors.tries.of(name), []);
   const files = useRef(project.files);
   files.current = project.files;
-  const drawValues = useMemo(() => valuesOfRecording(editor, tries, () => files.current), []);
+  const recording = useMemo(() => recordingOfRules(editor, tries, () => files.current), []);
   const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
@@ -93,7 +93,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, drawValues }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules} />
           <Splitter
             label="Width of the blocks"
             orientation="vertical"

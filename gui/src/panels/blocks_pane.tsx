@@ -8,6 +8,7 @@ import type { DrawValues } from "../blocks/number_field";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { recipeRules } from "../recipes/recipes";
+import { RecordingWords } from "../state/recording_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import type { Trial } from "../state/trial";
@@ -131,19 +132,22 @@ interface Shown {
   editor: RuleEditor;
   robotRules: RobotRules;
   tried: ReadonlySignal<Trial | null>;
-  drawValues: DrawValues;
+  /** The recording of the rules. */
+  recording: () => FoundFile | undefined;
   isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   Workspace: typeof RuleWorkspace,
   host: HTMLElement,
-  { editor, robotRules, tried, drawValues, isServerGone }: Shown,
+  { editor, robotRules, tried, recording, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
     if (shown) workspace.show(shown.document, editor.shownSections.peek());
   };
+  const recorded = new RecordingWords(editor.api, recording);
+  const known = { words: editor.words, profile: editor.profile, live: robotRules.live, tried };
   const workspace = new Workspace(host, {
     recipes: () => editor.attempt(() => recipeRules(editor.api)),
     menus: {
@@ -153,8 +157,8 @@ function openWorkspace(
       canRedo: () => editor.history.canRedo.peek(),
     },
     suggestions: {
-      ...suggestionsOf({ words: editor.words, profile: editor.profile, live: robotRules.live, tried }),
-      drawValues,
+      ...suggestionsOf({ ...known, recorded: (topic) => recorded.of(topic) }),
+      drawValues: valuesOfRecording(editor, recording),
     },
     changed: (editsOf, refused) =>
       editor.edit((document) => {
@@ -198,15 +202,23 @@ function openWorkspace(
   return { workspace, close };
 }
 
-/** Draws the values of a check in the recording of its rules; nothing in a project without recordings. */
-export function valuesOfRecording(editor: RuleEditor, tries: FileTries, files: () => readonly FoundFile[]): DrawValues {
+/** Finds the recording of rules; none in a project without recordings. */
+export function recordingOfRules(
+  editor: RuleEditor,
+  tries: FileTries,
+  files: () => readonly FoundFile[],
+): () => FoundFile | undefined {
+  return () => fileOf(recordingOf(bagsIn(files()), tries, editor.rules, editor.map.peek().bag), files());
+}
+
+/** Draws the values of a check in the recording of its rules. */
+function valuesOfRecording(editor: RuleEditor, recordingOf: () => FoundFile | undefined): DrawValues {
   return (host, block, threshold) => {
-    const bag = recordingOf(bagsIn(files()), tries, editor.rules, editor.map.peek().bag);
-    const recording = fileOf(bag, files());
+    const recording = recordingOf();
     const condition = toCondition(block);
     const check = condition && checkIn(condition);
     if (recording === undefined || !condition || !check) return null;
-    const asked = { bag, check, condition, profileText: editor.profile.peek()?.text ?? null };
+    const asked = { bag: recording.name, check, condition, profileText: editor.profile.peek()?.text ?? null };
     let isLeft = false;
     let close: (() => void) | null = null;
     void import("../try/check_courses").then(({ drawPicked }) => {

@@ -84,27 +84,30 @@ interface ValuesProps {
 }
 
 function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
-  const threshold = useSignal(one.limit);
+  const { limit } = one;
+  const threshold = useSignal(typeof limit === "number" ? limit : 0);
   return (
     <>
       <CheckChart
-        {...{ timeline, values, threshold }}
+        {...{ timeline, values, threshold, compared: limit }}
         isFixed={propose === null}
         timeWords={clockOf}
-        label={`Value of ${one.topic} ${one.property}, threshold ${one.limit}`}
+        label={`Value of ${one.topic} ${one.property}, threshold ${limit}`}
         bars={[{ label: "The check", turns: values.turns }]}
         isBusy={false}
       >
         <strong>{wordsOf(one)}</strong>{" "}
-        <span class="quiet">
-          {propose === null ? "The red line is the threshold." : "Drag the red line to propose another threshold."}
-        </span>
+        {typeof limit === "number" && (
+          <span class="quiet">
+            {propose === null ? "The red line is the threshold." : "Drag the red line to propose another threshold."}
+          </span>
+        )}
       </CheckChart>
       <p role="status">
-        {one.op} {one.limit}: {holdsWords(values.turns, answer.window_s)}, as the robot decided.
+        {one.op} {limit}: {holdsWords(values.turns, answer.window_s)}, as the robot decided.
       </p>
-      {propose !== null && (
-        <OtherThreshold threshold={threshold} written={one.limit} write={(value) => propose(one, value)} />
+      {propose !== null && typeof limit === "number" && (
+        <OtherThreshold threshold={threshold} written={limit} write={(value) => propose(one, value)} />
       )}
     </>
   );

@@ -15,7 +15,7 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
       else {
         for (const { topic } of checksOf(statement.condition)) topics.add(topic);
         for (const action of [...statement.then, ...statement.else]) {
-          for (const topic of action.kind === "record" ? action.topics : [action.topic]) topics.add(topic);
+          for (const topic of topicsOf(action)) topics.add(topic);
         }
       }
     }
@@ -23,10 +23,24 @@ export function topicsIn(document: Pick<RuleDocument, "collections">): ReadonlyS
   return topics;
 }
 
+function topicsOf(action: Action): readonly string[] {
+  switch (action.kind) {
+    case "set":
+      return action.margin ? [action.topic, action.margin.topic] : [action.topic];
+    case "within":
+      return [action.topic];
+    case "record":
+      return action.topics;
+    default:
+      return [];
+  }
+}
+
 /** Whether a rate or a bound of the rules is a quality level. */
 export function namesLevel({ collections }: Pick<RuleDocument, "collections">): boolean {
   const isLevel = (one: Statement | Action) =>
-    (one.kind === "set" && one.rate.kind === "tier") || (one.kind === "within" && typeof one.bound === "string");
+    (one.kind === "set" && (one.rate.kind === "tier" || one.margin?.to.kind === "tier")) ||
+    (one.kind === "within" && typeof one.bound === "string");
   return statementsIn({ collections }).some((one) =>
     one.kind === "rule" ? [...one.then, ...one.else].some(isLevel) : isLevel(one),
   );

@@ -64,6 +64,15 @@ export class Timeline {
   }
 }
 
+/** Moves a time to where somebody presses or drags on what is as long as it. */
+export function scrubOn(event: PointerEvent, timeline: Timeline): void {
+  if (event.buttons !== 1) return;
+  const bar = event.currentTarget as Element;
+  bar.setPointerCapture(event.pointerId);
+  const { left, width } = bar.getBoundingClientRect();
+  timeline.goTo(((event.clientX - left) / width) * timeline.durationS);
+}
+
 /** How many of `sorted`, from the first on, `holds` is true of. */
 export function upTo<T>(sorted: readonly T[], holds: (one: T) => boolean): number {
   let [low, high] = [0, sorted.length];

@@ -3,12 +3,13 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
-import type { Truth } from "../api/types";
-import { holdsWords, stretches, type Timeline, type Turns } from "../state/timeline";
+import type { Compared, Truth } from "../api/types";
+import { holdsWords, scrubOn, stretches, type Timeline, type Turns } from "../state/timeline";
 import type { RuleNow } from "../state/trial";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
 import { Strip } from "./strip";
+import { WordLane, type Words } from "./word_lane";
 
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
 interface CheckValues {
@@ -16,6 +17,8 @@ interface CheckValues {
   first_bin_s?: number;
   least: readonly (number | null)[];
   greatest: readonly (number | null)[];
+  /** What was read from when on, of a check that compares with no number. */
+  words: Words;
 }
 
 /** When something held; `words` stand above its bar. */
@@ -30,6 +33,8 @@ interface Props {
   /** Must stay the same object while the values are the same. */
   values: CheckValues;
   threshold: Signal<number>;
+  /** What the check compares with; words are drawn as a lane in place of a line. */
+  compared: Compared;
   /** Whether the threshold can only be looked at. */
   isFixed?: boolean;
   timeWords?: (timeS: number) => string;
@@ -41,7 +46,7 @@ interface Props {
 
 /** The value of a check over time, its threshold as a line, and below it bars of when something held. */
 export function CheckChart({ timeline, values, threshold, isFixed = false, timeWords, label, ...shown }: Props) {
-  const { bars, isBusy, children } = shown;
+  const { bars, compared, isBusy, children } = shown;
   const lines = useMemo(
     () => ({
       timesS: values.greatest.map((_, bin) => (values.first_bin_s ?? 0) + (bin + 0.5) * values.bin_s),
@@ -55,9 +60,15 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
   );
   return (
     <>
-      <Strip timeline={timeline} lines={lines} label={label}>
-        {children}
-      </Strip>
+      {typeof compared === "number" ? (
+        <Strip timeline={timeline} lines={lines} label={label}>
+          {children}
+        </Strip>
+      ) : (
+        <WordLane timeline={timeline} words={values.words} compared={compared} label={label}>
+          {children}
+        </WordLane>
+      )}
       <div class="truth-bars" aria-busy={isBusy}>
         {bars.map((bar) => (
           <div key={bar.label}>
@@ -105,13 +116,7 @@ function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: Timeline
         .join("");
     return TRUTHS.map((truth) => ({ truth, path: path(truth) }));
   }, [turns, durationS]);
-  const scrub = (event: PointerEvent) => {
-    if (event.buttons !== 1) return;
-    const bar = event.currentTarget as Element;
-    bar.setPointerCapture(event.pointerId);
-    const { left, width } = bar.getBoundingClientRect();
-    timeline.goTo(((event.clientX - left) / width) * durationS);
-  };
+  const scrub = (event: PointerEvent) => scrubOn(event, timeline);
   return (
     <svg
       class="truth-bar"

@@ -6,6 +6,7 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { CheckCondition, CheckCourse, Condition } from "../api/types";
 import { BagWork } from "../state/bag_work";
+import { READ_AT_ONCE_BYTES } from "../state/recording_words";
 import type { RuleEditor } from "../state/rule_editor";
 import { holdsWords, Timeline } from "../state/timeline";
 import type { Trial } from "../state/trial";
@@ -46,7 +47,8 @@ export function CheckCourses({ editor, trial }: Props) {
 
 function CourseOfCheck({ editor, trial, one }: Props & { one: RobotCheck }) {
   const { check, condition } = one;
-  const threshold = useSignal(check.value);
+  const written = check.value;
+  const threshold = useSignal(typeof written === "number" ? written : 0);
   const asked = useMemo(
     () => ({ bag: trial.bag, check, condition, profileText: editor.profile.peek()?.text ?? null }),
     [trial, one],
@@ -57,15 +59,19 @@ function CourseOfCheck({ editor, trial, one }: Props & { one: RobotCheck }) {
     <>
       <CourseChart {...{ asked, course, work, threshold }} timeline={trial}>
         <strong>{one.words}</strong>{" "}
-        <span class="quiet">
-          Drag the red line, or move it with the arrow keys, to see when another threshold holds.
-        </span>
+        {typeof written === "number" && (
+          <span class="quiet">
+            Drag the red line, or move it with the arrow keys, to see when another threshold holds.
+          </span>
+        )}
       </CourseChart>
-      <OtherThreshold
-        threshold={threshold}
-        written={check.value}
-        write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
-      />
+      {typeof written === "number" && (
+        <OtherThreshold
+          threshold={threshold}
+          written={written}
+          write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
+        />
+      )}
     </>
   );
 }
@@ -88,7 +94,7 @@ function CourseChart({ asked, course, work, threshold, timeline, children }: Cou
   return (
     <>
       <CheckChart
-        {...{ timeline, values, threshold }}
+        {...{ timeline, values, threshold, compared: check.value }}
         label={`Value of ${check.topic} ${check.property}`}
         bars={heldBars(course, condition)}
         isBusy={kind === "running"}
@@ -101,7 +107,7 @@ function CourseChart({ asked, course, work, threshold, timeline, children }: Cou
         <p role="status">
           {kind === "running"
             ? `Asking what ${threshold.value} would do …`
-            : `${check.op} ${threshold.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
+            : `${check.op} ${typeof check.value === "number" ? threshold.value : check.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
         </p>
       )}
       <Notes notes={course.notices} />
@@ -131,7 +137,8 @@ function useCheckCourse(
   useEffect(() => {
     const ask = () =>
       void work.start((run, signal) => {
-        const condition = withValue(asked.condition, asked.check, threshold);
+        const isNumber = typeof asked.check.value === "number";
+        const condition = isNumber ? withValue(asked.condition, asked.check, threshold) : asked.condition;
         return api.ask(
           "POST /api/check/course",
           { bag: asked.bag, condition, profile_text: asked.profileText, run },
@@ -157,9 +164,6 @@ function heldBars(course: CheckCourse, condition: Condition): HeldBar[] {
     ...(condition.kind === "timed" ? [{ label, turns: course.check.turns, words: `${label}:` }] : []),
   ];
 }
-
-/** A larger recording is read when somebody asks for it. */
-const READ_AT_ONCE_BYTES = 300e6;
 
 interface PickedProps {
   api: Api;

@@ -53,6 +53,14 @@ export function readable(value: number): string {
   return thousandsApart(value, digits);
 }
 
+const LONGEST_TEXT = 24;
+
+/** A value that a check reads; a long text is cut. */
+export function valueText(value: number | string): string {
+  if (typeof value === "number") return readable(value);
+  return `“${value.length > LONGEST_TEXT ? `${value.slice(0, LONGEST_TEXT - 1)}…` : value}”`;
+}
+
 /** KB, or KB/s, of the optimizer: at most two decimals, thousands apart, as the terminal shows it. */
 export function kilobytes(value: number): string {
   return thousandsApart(value, { maximumFractionDigits: 2 });

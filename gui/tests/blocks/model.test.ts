@@ -2,7 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
 import { beforeAll, expect, test } from "vitest";
-import type { Action, CheckCondition, Condition, RuleStatement, Statement, TimedCondition } from "../../src/api/types";
+import type {
+  Action,
+  CheckCondition,
+  Compared,
+  Condition,
+  RuleStatement,
+  Statement,
+  TimedCondition,
+} from "../../src/api/types";
 import { type BlockButtons, defineBlocks } from "../../src/blocks/block_types";
 import { fingerprint, toBlock, toStatement } from "../../src/blocks/model";
 
@@ -36,11 +44,14 @@ beforeAll(() => {
   const suggest = {
     topics: nothing,
     topicChoices: nothing,
+    patternChoices: nothing,
     vitalsChoices: nothing,
     properties: nothing,
     bounds: nothing,
     rates: nothing,
     boundLevels: nothing,
+    words: nothing,
+    allowed: nothing,
     unit: () => "",
     drawValues: () => null,
   };
@@ -50,6 +61,7 @@ beforeAll(() => {
     addRate: ignore,
     addBound: ignore,
     addRecord: ignore,
+    addAct: ignore,
     toggleElse: ignore,
     toggleFold: ignore,
     remove: ignore,
@@ -79,6 +91,54 @@ const CONDITIONS: [string, Condition][] = [
   ["for a time not", held({ kind: "not", term: BOTH })],
   ["both, one for a time", { kind: "and", terms: [held(CHECK), lately(EITHER)] }],
 ];
+
+const COMPARED: Compared[] = [
+  '"docking"',
+  '"a \\"b\\" \\\\ c"',
+  "true",
+  "false",
+  "ERROR",
+  "DiagnosticStatus.ERROR",
+  -0.5,
+];
+
+test.each(COMPARED)("blocks compare with %s as the text does", (value) => {
+  const check: CheckCondition = { ...CHECK, topic: "/mode", property: 'status["lidar front"].level', op: "=", value };
+  const ended: CheckCondition = { ...check, until: { op: "!=", value } };
+  for (const statement of [rule(check), rule(held(ended))]) expect(said(statement)).toMatchObject(statement);
+});
+
+const ACTIONS: Action[] = [
+  { kind: "parameter", node: "/controller_server", parameter: "FollowPath.max_vel_x", value: "1.0" },
+  { kind: "parameter", node: "/controller_server", parameter: "mode", value: '"slow, please"' },
+  { kind: "call", service: "/light", argument: true },
+  { kind: "call", service: "/light", argument: false },
+  { kind: "call", service: "/stop", argument: null },
+  { kind: "notify", text: 'Lidar says "no"' },
+  {
+    kind: "set",
+    topic: "/scan",
+    rate: { kind: "tier", value: "Marginal" },
+    margin: {
+      to: { kind: "hz", value: 20 },
+      topic: "@link",
+      property: "round_trip",
+      from_value: 300,
+      to_value: 0.5,
+    },
+  },
+  { kind: "set", topic: "/camera/**", rate: { kind: "off", value: null } },
+];
+
+test.each(ACTIONS)("blocks do %j as the text does", (action) => {
+  expect(said(rule(CHECK, [action], [action]))).toMatchObject(rule(CHECK, [action], [action]));
+  if (action.kind === "set") expect(said(action)).toMatchObject(action);
+});
+
+test("what differs in an action makes another rule of it", () => {
+  const prints = ACTIONS.map((action) => fingerprint(rule(CHECK, [action])));
+  expect(new Set(prints).size).toBe(ACTIONS.length);
+});
 
 test.each(CONDITIONS)("blocks say %s as the text does", (_, condition) => {
   const statement = rule(condition);

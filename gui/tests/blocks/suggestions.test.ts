@@ -2,14 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type Signal, signal } from "@preact/signals";
 import { expect, test } from "vitest";
-import type { KnownTopic, Live, RobotCheck, TopicStatus, Vocabulary } from "../../src/api/types";
-import { ON_ROBOT, suggestionsOf } from "../../src/blocks/suggestions";
+import type { KnownTopic, Live, RecordedField, RobotCheck, TopicStatus, Vocabulary } from "../../src/api/types";
+import { ON_ROBOT, patternsOf, suggestionsOf } from "../../src/blocks/suggestions";
 import type { Trial } from "../../src/state/trial";
 
-const SPEED = { name: "speed", unit: "m/s", meaning: "of the robot", levels: null };
-const POSITION = { name: "position", unit: "m", meaning: "where it is", levels: null };
-const AGE = { name: "age", unit: "s", meaning: "since the last message", levels: null };
-const USED = { name: "used", unit: "%", meaning: "share of the capacity in use", levels: null };
+const NUMBER = { kind: "number" as const, words: [], levels: null };
+const SPEED = { name: "speed", unit: "m/s", meaning: "of the robot", ...NUMBER };
+const POSITION = { name: "position", unit: "m", meaning: "where it is", ...NUMBER };
+const AGE = { name: "age", unit: "s", meaning: "since the last message", ...NUMBER };
+const USED = { name: "used", unit: "%", meaning: "share of the capacity in use", ...NUMBER };
 const LINK = { name: "@link", meaning: "the link to the operators", properties: [USED] };
 const ODOM: KnownTopic = {
   topic: "/odom",
@@ -31,22 +32,34 @@ function known(topic: Partial<KnownTopic> = {}) {
   const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE], vitals: [LINK] });
   const live = signal<Live | null>(null);
   const tried = signal<Trial | null>(null);
+  const fields = signal<RecordedField[]>([]);
   return {
     vocabulary,
     live,
     tried,
-    suggestions: suggestionsOf({ words: wordsOf(vocabulary), profile: signal({ name: "radio.toml" }), live, tried }),
+    fields,
+    suggestions: suggestionsOf({
+      words: wordsOf(vocabulary),
+      profile: signal({ name: "radio.toml" }),
+      live,
+      tried,
+      recorded: () => fields.value,
+    }),
   };
 }
 
-function robot(topics: Record<string, Partial<TopicStatus>>, checks: Partial<RobotCheck>[] = [], value = 0): Live {
+function robot(
+  topics: Record<string, Partial<TopicStatus>>,
+  checks: Partial<RobotCheck>[] = [],
+  value: number | string = 0,
+): Live {
   const blocks = [{ checks: checks.map(() => [4, 7, "true", value]) }];
   return { status: { topics, blocks }, checks } as unknown as Live;
 }
 
 test("what is suggested grows when a robot's topics come later", () => {
   const vocabulary = signal<Vocabulary | null>(null);
-  const nothing = { profile: signal(null), live: signal(null), tried: signal(null) };
+  const nothing = { profile: signal(null), live: signal(null), tried: signal(null), recorded: () => [] };
   const suggestions = suggestionsOf({ words: wordsOf(vocabulary), ...nothing });
   const shown: unknown[] = [];
   const words = (choices: readonly { word: string }[]) => choices.map(({ word }) => word);
@@ -117,4 +130,46 @@ test("a level says the rates that it means for the topic, or that nobody has sai
     "Marginal: 1 – 2 Hz",
   ]);
   expect(asides({})[2]).toBe("Unacceptable: no levels in the topic parameters");
+});
+
+const words = (choices: readonly { word: string }[] | null) => choices?.map(({ word }) => word);
+
+test("a number with a name is a number for sure; of a field that nobody knows anything can be", () => {
+  const { suggestions } = known();
+  expect(suggestions.words("/odom", "speed")).toBeNull();
+  expect(suggestions.words("/mode", "data")).toEqual([]);
+});
+
+test("constants come first, then the text on the robot, then those of the recording", () => {
+  const mode = { name: "data", unit: "", meaning: "", kind: "text" as const, words: ["IDLE"], levels: null };
+  const { fields, live, suggestions } = known({ properties: [mode] });
+  expect(words(suggestions.words("/odom", "data"))).toEqual(["IDLE"]);
+  fields.value = [{ path: "data", kind: "text", texts: ['a "b"', "docking"] }];
+  live.value = robot({}, [{ topic: "/odom", property: "data" }], "docking");
+  expect(words(suggestions.words("/odom", "data"))).toEqual(["IDLE", '"docking"', '"a \\"b\\""']);
+  expect(suggestions.properties("/odom")[0]?.aside).toBe("now “docking”");
+});
+
+test("named elements and texts of a recording are properties, each of its numbers is none", () => {
+  const { fields, suggestions } = known();
+  const field = (path: string, kind: RecordedField["kind"], texts: string[] = []) => ({ path, kind, texts });
+  fields.value = [
+    field("twist.twist.linear.x", "number"),
+    field("child_frame_id", "text", ["base", "odom", "x"]),
+    field('status["lidar front"].level', "number"),
+    field("is_on", "truth"),
+  ];
+  const named = ['status["lidar front"].level', "is_on"];
+  expect(words(suggestions.properties("/odom"))).toEqual(["speed", "age", "child_frame_id", ...named]);
+  expect(words(suggestions.words("/odom", "is_on"))).toEqual(["true", "false"]);
+  expect(suggestions.properties("/odom")[2]?.aside).toBe('"base", "odom", …');
+});
+
+test("topics of a kind are those below a name and those that end alike", () => {
+  const topics = ["/camera/left/image", "/camera/right/image", "/scan", "/_hidden/image", "/arm/image"];
+  const all = patternsOf(topics).map(({ word, aside }) => [word, aside]);
+  expect(all).toEqual([
+    ["/**/image", "3 topics now"],
+    ["/camera/**", "2 topics now"],
+  ]);
 });

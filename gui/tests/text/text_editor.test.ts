@@ -6,7 +6,8 @@ import { expect, test } from "vitest";
 import type { Vocabulary } from "../../src/api/types";
 import { colouredIn, suggest } from "../../src/text/text_editor";
 
-const property = (name: string) => ({ name, unit: "m", meaning: "", levels: null });
+const NUMBER = { kind: "number" as const, words: [], levels: null };
+const property = (name: string) => ({ name, unit: "m", meaning: "", ...NUMBER });
 const VOCABULARY: Vocabulary = {
   topics: [
     {

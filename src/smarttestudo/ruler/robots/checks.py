@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 from threading import Lock
+from typing import TypedDict
 
 from msgspec import Struct
 
@@ -18,11 +19,13 @@ from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.ruler.robots.history import KEPT_S
 from smarttestudo.ruler.robots.watch import Place, RobotCheck, SeenRobot, written_checks
+from smarttestudo.ruler.rules.statement_trees import value_words
 from smarttestudo.ruler.tries.watches import BlockTurns
 
 BIN_S = 5.0
 MAX_CHECKS = 100
 MAX_TURNS_KEPT = 5000
+MAX_WORDS_KEPT = 500
 _BINS = int(KEPT_S / BIN_S)
 _DIGITS = 3
 _Key = tuple[str, Place]
@@ -43,7 +46,8 @@ class RobotChecksRequest(Struct, frozen=True, kw_only=True):
 class RobotCheckValues:
     """The least and the greatest value of check number ``check`` in bins of ``bin_s``, from ``first_bin_s``.
 
-    Null where no status said a value. ``turns`` say what the check turned to when.
+    Null where no status said a value. Of a check that compares with no number, ``words`` say what it read
+    from when on. ``turns`` say what the check turned to when.
     """
 
     check: int
@@ -51,6 +55,7 @@ class RobotCheckValues:
     first_bin_s: float
     least: tuple[float | None, ...]
     greatest: tuple[float | None, ...]
+    words: tuple[tuple[float, str | None], ...]
     turns: tuple[tuple[float, Truth], ...]
 
 
@@ -75,6 +80,7 @@ class RobotChecks:
         self._last: SeenRobot | None = None
         self._turns = _Turns(0.0)
         self._values: dict[_Key, _Bins] = {}
+        self._words: dict[Place, _Words] = {}
         self._lock = Lock()
 
     def add(self, seen: SeenRobot) -> None:
@@ -83,7 +89,7 @@ class RobotChecks:
             last, now_s = self._last, seen.heard_s
             self._last = seen
             if last is None or last.status.rules.sha256 != seen.status.rules.sha256:
-                self._turns, self._values, last = _Turns(now_s), {}, None
+                self._turns, self._values, self._words, last = _Turns(now_s), {}, {}, None
             silent_from_s = now_s if last is None else last.heard_s + last.silent_after_s
             if silent_from_s < now_s:
                 self._turns.silence(silent_from_s)
@@ -92,9 +98,24 @@ class RobotChecks:
             for key, value in _values(seen.status):
                 if key not in self._values and len(self._values) < MAX_CHECKS:
                     self._values[key] = _Bins()
-                if key in self._values and not isinstance(value, str):
-                    self._values[key].add(now_s, value, held_until_s=silent_from_s)
+                if key in self._values:
+                    number = None if isinstance(value, str) else value
+                    self._values[key].add(now_s, number, held_until_s=silent_from_s)
+            self._add_words(seen, silent_from_s)
             self._turns.forget(now_s - KEPT_S)
+
+    def _add_words(self, seen: SeenRobot, silent_from_s: float) -> None:
+        values = {place: value for (_, place), value in _values(seen.status)}
+        for place, check in written_checks(seen):
+            if check is None or not isinstance(check.limit, str):
+                continue
+            if place not in self._words and len(self._words) == MAX_CHECKS:
+                continue
+            value = values[place]
+            words = self._words.setdefault(place, _Words())
+            if silent_from_s < seen.heard_s:
+                words.add(silent_from_s, None)
+            words.add(seen.heard_s, None if value is None else value_words(value, check.limit))
 
     def answer(self, request: RobotChecksRequest, now_s: float) -> RobotChecksAnswer:
         """All that is known at ``now_s`` of the clock of the statuses."""
@@ -114,10 +135,18 @@ class RobotChecks:
             if request.check is not None and 0 <= request.check < len(checks):
                 key = "check", checks[request.check][0]
                 bins = self._values.get(key)
+                until_s = silent_s if silent_s < now_s else None
+                words = self._words.get(key[1])
                 values = (
                     None
                     if bins is None
-                    else bins.told(request.check, turns.get(key, ()), start_s, now_s, held_until_s=silent_s)
+                    else RobotCheckValues(
+                        check=request.check,
+                        bin_s=BIN_S,
+                        words=() if words is None else words.since(start_s, until_s),
+                        turns=turns.get(key, ()),
+                        **bins.told(start_s, now_s, held_until_s=silent_s),
+                    )
                 )
             heard_from_s = max(self._turns.from_s - start_s, 0.0)
         return RobotChecksAnswer(
@@ -193,6 +222,29 @@ def _turn(turns: list[tuple[float, Truth]], turned_s: float, truth: Truth) -> No
         turns.append((turned_s, truth))
 
 
+class _Words:
+    """The words that a check read within the last hour, the newest 500 of them."""
+
+    def __init__(self) -> None:
+        self._turns: deque[tuple[float, str | None]] = deque(maxlen=MAX_WORDS_KEPT)
+
+    def add(self, now_s: float, word: str | None) -> None:
+        if not self._turns or self._turns[-1][1] != word:
+            self._turns.append((now_s, word))
+
+    def since(self, start_s: float, silent_s: float | None) -> tuple[tuple[float, str | None], ...]:
+        """The words since ``start_s``, the first one at 0 or when it came; unknown from ``silent_s`` on."""
+        turns = [*self._turns, *([] if silent_s is None else [(silent_s, None)])]
+        first = max((at for at, (turned_s, _) in enumerate(turns) if turned_s <= start_s), default=0)
+        return tuple((round(max(turned_s - start_s, 0.0), _DIGITS), word) for turned_s, word in turns[first:])
+
+
+class _BinsTold(TypedDict):
+    first_bin_s: float
+    least: tuple[float | None, ...]
+    greatest: tuple[float | None, ...]
+
+
 class _Bins:
     """The least and the greatest value in bins of ``BIN_S`` over the last hour."""
 
@@ -220,26 +272,15 @@ class _Bins:
         if not self._greatest[at] >= self._value:
             self._greatest[at] = self._value
 
-    def told(
-        self,
-        check: int,
-        turns: tuple[tuple[float, Truth], ...],
-        start_s: float,
-        now_s: float,
-        *,
-        held_until_s: float,
-    ) -> RobotCheckValues:
+    def told(self, start_s: float, now_s: float, *, held_until_s: float) -> _BinsTold:
         """The values from ``start_s`` until now; the last one is held until ``held_until_s``."""
         held_until = int(held_until_s // BIN_S)
         first, last = int(start_s // BIN_S), int(now_s // BIN_S)
         kept = range(max(first, last - _BINS + 1), last + 1)
-        return RobotCheckValues(
-            check=check,
-            bin_s=BIN_S,
+        return _BinsTold(
             first_bin_s=kept[0] * BIN_S - start_s,
             least=tuple(self._told(self._least, bin_, held_until) for bin_ in kept),
             greatest=tuple(self._told(self._greatest, bin_, held_until) for bin_ in kept),
-            turns=turns,
         )
 
     def _told(self, bins: array[float], bin_: int, held_until: int) -> float | None:

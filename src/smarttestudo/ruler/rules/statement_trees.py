@@ -10,6 +10,7 @@ from typing import TypedDict
 
 from smarttestudo.domain.finding import Span
 from smarttestudo.domain.rate import Tier
+from smarttestudo.domain.signal import Value
 from smarttestudo.editing import Document, EditError, Entry, NewStatement, comment_texts
 from smarttestudo.language.formatter import number_text, value_text
 from smarttestudo.language.parser.comparisons import written_value
@@ -214,6 +215,14 @@ def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
 def page_value(value: Compared) -> page.Compared:
     """What a check compares with, in the words of the page."""
     return value if isinstance(value, float) else value_text(value)
+
+
+def value_words(value: Value, compared: page.Compared) -> str:
+    """What was read for a check that compares with no number."""
+    if isinstance(value, str):
+        return value
+    is_truth = compared in ("true", "false")
+    return value_text(bool(value)) if is_truth else number_text(value)
 
 
 def _duration(duration: Duration) -> page.DurationValue:

@@ -13,6 +13,7 @@ from msgspec import Struct
 from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import AccuracyTiers, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
+from smarttestudo.language.known_types import NO_TYPES, KnownTypes
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
@@ -22,18 +23,12 @@ from smarttestudo.language.properties import (
     properties_for_bounds,
     properties_of,
 )
-from smarttestudo.language.syntax import (
-    Block,
-    Statement,
-)
-from smarttestudo.language.syntax_walks import (
-    bounds_in,
-    checks_in,
-    records_in,
-    sets_in,
-)
+from smarttestudo.language.properties.field_path import ANY
+from smarttestudo.language.syntax import Block, Statement
+from smarttestudo.language.syntax_walks import bounds_in, checks_in, records_in, sets_in
 from smarttestudo.optimizer.problem import interval_hz
 from smarttestudo.ruler.job import job
+from smarttestudo.ruler.topics.known_fields import FieldKind, KnownField, known_fields
 from smarttestudo.rules.profile_file import parse_profile
 
 
@@ -49,12 +44,15 @@ class TopicSource(Enum):
 class Property(Struct, frozen=True, kw_only=True):
     """A property that a check can read or a bound can be about.
 
+    ``words`` are what it can be equal to, beside a number or a text: true and false, or constants.
     ``levels`` are the loosest and the tightest bound of each of the six levels, where the profile has them.
     """
 
     name: str
     unit: str
     meaning: str
+    kind: FieldKind = FieldKind.NUMBER
+    words: tuple[str, ...] = ()
     levels: tuple[tuple[float, float], ...] | None
 
 
@@ -125,7 +123,7 @@ def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabul
     profile = None if profile_text is None else parse_profile(profile_text, Path("profile.toml"))
     rules = None if request.text is None else parse(request.text, "the rules")
     return Vocabulary(
-        topics=tuple(_known_topics(profile, rules, robot_topics())),
+        topics=tuple(_known_topics(profile, rules, robot_topics(), NO_TYPES)),
         every_topic=_properties(ARRIVAL_PROPERTIES.values(), TopicProfile()),
         vitals=tuple(
             KnownVitals(
@@ -139,7 +137,10 @@ def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabul
 
 
 def _known_topics(
-    profile: Profile | None, rules: ParseResult | None, robot_topics: Mapping[str, str]
+    profile: Profile | None,
+    rules: ParseResult | None,
+    robot_topics: Mapping[str, str],
+    known_types: KnownTypes,
 ) -> Iterator[KnownTopic]:
     """Every topic once, by the most trusted who names it; types from whoever knows them."""
     users = _users(rules)
@@ -165,7 +166,7 @@ def _known_topics(
         yield KnownTopic(
             topic=topic,
             type=known,
-            properties=_properties(properties_of(known or "").values(), entry),
+            properties=_checked(known or "", known_types, entry),
             bounds=_properties(properties_for_bounds().get(known or "", ()), entry),
             source=source,
             source_hz=entry.source_hz,
@@ -179,11 +180,33 @@ def _properties(specs: Iterable[PropertySpec], topic: TopicProfile) -> tuple[Pro
     return tuple(_property(spec, topic.accuracy(spec.name)) for spec in specs)
 
 
-def _property(spec: PropertySpec, tiers: AccuracyTiers | None) -> Property:
+_STANDS_FOR = {"goal": f"status_list{ANY}.status"}
+"""Named properties with the constants of a field."""
+
+
+def _checked(type_name: str, types: KnownTypes, topic: TopicProfile) -> tuple[Property, ...]:
+    """The named properties of a type, then its fields; of one with such properties those with words alone."""
+    named = properties_of(type_name)
+    fields = {field.path: field for field in known_fields(types, type_name)}
+    known = (
+        _property(spec, topic.accuracy(spec.name), fields.get(_STANDS_FOR.get(spec.name, spec.name)))
+        for spec in named.values()
+    )
+    more = (
+        Property(name=field.path, unit="", meaning="", kind=field.kind, words=field.words, levels=None)
+        for field in fields.values()
+        if field.path not in named and not (named and field.kind is FieldKind.NUMBER and not field.words)
+    )
+    return (*known, *more)
+
+
+def _property(spec: PropertySpec, tiers: AccuracyTiers | None, field: KnownField | None = None) -> Property:
     return Property(
         name=spec.name,
         unit=spec.unit,
         meaning=spec.meaning,
+        kind=FieldKind.NUMBER if field is None else field.kind,
+        words=() if field is None else field.words,
         levels=None if tiers is None else tuple(map(tiers.interval, Tier)),
     )
 
@@ -208,11 +231,13 @@ def _users(rules: ParseResult | None) -> dict[str, list[str]]:
 def _topics_of(statement: Statement) -> set[str]:
     """The topics that a statement names, without patterns, machine and link."""
     if not isinstance(statement, Block):
-        names = [statement.topic]
+        margins = [one.margin for one in (statement,) if isinstance(one, SetFrequency) and one.margin is not None]
+        names = [statement.topic, *(margin.topic for margin in margins)]
     else:
         actions = (*statement.then, *statement.otherwise)
         names = [
             *(one.topic for one in sets_in(actions)),
+            *(one.margin.topic for one in sets_in(actions) if one.margin is not None),
             *(one.topic for one in bounds_in(actions)),
             *(topic for one in records_in(actions) for topic in one.topics),
             *(check.topic for check in checks_in(statement.condition)),

@@ -14,7 +14,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.recording import Channel
-from smarttestudo.domain.signal import Signal
+from smarttestudo.domain.signal import Signal, Value, shown_value
 from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.editing import inserted_all, read_document
 from smarttestudo.language.rule_set import RuleSet
@@ -24,9 +24,10 @@ from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.files.recordings import READING
 from smarttestudo.ruler.job import Report, job
 from smarttestudo.ruler.rules.document import Draft, require_usable
-from smarttestudo.ruler.rules.statement_trees import new_statement
+from smarttestudo.ruler.rules.statement_trees import new_statement, value_words
 from smarttestudo.ruler.rules.statements import (
     CheckCondition,
+    Compared,
     Condition,
     FullRate,
     RuleStatement,
@@ -57,13 +58,15 @@ class CheckCourse:
     """The values of a check's property in bins of ``bin_s``, and what held when; times are since the start.
 
     ``least`` and ``greatest`` are those that the check met in each bin, null where it was unknown
-    throughout. ``check`` and ``condition`` say what each turned to when, in at most 2000 turns.
+    throughout. Of one that compares with no number, ``words`` say what it read from when on, null where that
+    was unknown. ``check`` and ``condition`` say what each turned to when; all these turn at most 2000 times.
     """
 
     duration_s: float
     bin_s: float
     least: tuple[float | None, ...]
     greatest: tuple[float | None, ...]
+    words: tuple[tuple[float, str | None], ...]
     check: BlockTurns
     condition: BlockTurns
     notices: tuple[str, ...]
@@ -85,7 +88,8 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
     with open_recording(bag) as recording:
         rule_set = compiled_for(draft, recording)
         truths = TruthWatch(rule_set, recording.start_ns, max_turns=MAX_TURNS)
-        values = _ValueWatch(_signal_of(rule_set), recording.start_ns, recording.end_ns)
+        compared = _check_in(request.condition).value
+        values = _ValueWatch(_signal_of(rule_set), compared, recording.start_ns, recording.end_ns)
 
         def stepped(now_ns: int, loop: RelayLoop) -> None:
             truths.stepped(now_ns, loop)
@@ -109,6 +113,7 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
         bin_s=values.width_ns / NS_PER_S,
         least=tuple(values.least),
         greatest=tuple(values.greatest),
+        words=tuple(values.words),
         check=check,
         condition=condition,
         notices=(*map(folder.shown, outcome.notices), *_cut(truths)),
@@ -140,8 +145,10 @@ def _cut(truths: TruthWatch) -> Iterator[str]:
 class _ValueWatch:
     """The least and the greatest value of ``signal`` in each bin, as the evaluator is given it."""
 
-    def __init__(self, signal: Signal, start_ns: int, end_ns: int) -> None:
+    def __init__(self, signal: Signal, compared: Compared, start_ns: int, end_ns: int) -> None:
         self._signal = signal
+        self._compared = compared
+        self.words: list[tuple[float, str | None]] = []
         self._start_ns, self._end_ns = start_ns, end_ns
         self.width_ns = max(-(-(end_ns - start_ns) // MAX_BINS), 1)
         count = max(-(-(end_ns - start_ns) // self.width_ns), 1)
@@ -163,9 +170,16 @@ class _ValueWatch:
         bin_ = max(min((now_ns - self._start_ns) // self.width_ns, len(self.least) - 1), 0)
         for held in range(self._bin, bin_ + 1):
             self._add(held, self._value)
-        self._bin, self._value = bin_, self._read(loop, now_ns)
+        value = self._read(loop, now_ns)
+        self._bin, self._value = bin_, value if isinstance(value, float) else None
         self._add(bin_, self._value)
+        if isinstance(self._compared, str):
+            self._turn(now_ns, None if value is None else value_words(value, self._compared))
         self._due_ns = self._start_ns + (bin_ + 1) * self.width_ns
+
+    def _turn(self, now_ns: int, word: str | None) -> None:
+        if (not self.words or self.words[-1][1] != word) and len(self.words) < MAX_TURNS:
+            self.words.append((round((now_ns - self._start_ns) / NS_PER_S, 6), word))
 
     def _add(self, bin_: int, value: float | None) -> None:
         if value is None:
@@ -179,11 +193,10 @@ class _ValueWatch:
         if self._loop is not None:
             self.stepped(self._end_ns, self._loop)
 
-    def _read(self, loop: RelayLoop, now_ns: int) -> float | None:
+    def _read(self, loop: RelayLoop, now_ns: int) -> Value | None:
         knowledge = loop.knowledge
         readings = knowledge.readings(self._signal.topic, knowledge.time.at(now_ns))
-        value = dict(readings)[self._signal]
-        return value if isinstance(value, float) else None
+        return shown_value(dict(readings)[self._signal])
 
 
 def _signal_of(rule_set: RuleSet) -> Signal:

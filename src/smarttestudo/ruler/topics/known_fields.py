@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Fields of a message type that checks can read by their path, and the words that these can be equal to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import Enum
+from itertools import islice
+
+from msgspec import Struct
+
+from smarttestudo.language.known_types import KnownTypes, TypeDefinition
+from smarttestudo.language.properties.field_path import ANY
+
+MOST_FIELDS = 60
+_DEEPEST = 4
+_TIME = "builtin_interfaces/msg/"
+_HEADER = "std_msgs/msg/Header"
+
+
+class FieldKind(Enum):
+    """What a field holds; the value is its name in JSON."""
+
+    NUMBER = "number"
+    TEXT = "text"
+    TRUTH = "truth"
+
+
+class KnownField(Struct, frozen=True, kw_only=True):
+    """A field by its path, with the words that rules may compare it with beside numbers and texts."""
+
+    path: str
+    kind: FieldKind
+    words: tuple[str, ...] = ()
+
+
+def kind_of(type_name: str) -> FieldKind | None:
+    """The kind of a field of that type, ``None`` of one that is a message."""
+    if type_name in {"string", "wstring"}:
+        return FieldKind.TEXT
+    if type_name in {"bool", "boolean"}:
+        return FieldKind.TRUTH
+    return None if "/" in type_name else FieldKind.NUMBER
+
+
+def known_fields(types: KnownTypes, type_name: str) -> tuple[KnownField, ...]:
+    """The fields of a type, in its order; of arrays those of any element. At most 60, without stamps."""
+    return tuple(islice(_fields(types, type_name, "", 0), MOST_FIELDS))
+
+
+def _fields(types: KnownTypes, type_name: str, before: str, depth: int) -> Iterator[KnownField]:
+    definition = types.definitions.get(type_name)
+    if definition is None or depth == _DEEPEST:
+        return
+    for name, field in definition.fields.items():
+        kind = kind_of(field.name)
+        if kind is not None and not field.is_array:
+            yield KnownField(path=before + name, kind=kind, words=words_of(definition, name, field.name))
+        if kind is not None or field.name.startswith(_TIME) or field.name == _HEADER:
+            continue
+        # One element of any a path is what the language has.
+        if not field.is_array:
+            yield from _fields(types, field.name, f"{before}{name}.", depth + 1)
+        elif ANY not in before:
+            yield from _fields(types, field.name, f"{before}{name}{ANY}.", depth + 1)
+
+
+def words_of(definition: TypeDefinition, name: str, type_name: str) -> tuple[str, ...]:
+    """The words that field ``name`` can be equal to: true and false, or the constants that belong to it."""
+    kind = kind_of(type_name)
+    if kind is FieldKind.TRUTH:
+        return ("true", "false")
+    if kind is None or type_name.startswith(("float", "double")):
+        return ()
+    own = [
+        constant
+        for constant, value in definition.constants.items()
+        if isinstance(value, str) == (kind is FieldKind.TEXT)
+    ]
+    begin = f"{name.upper()}_"
+    named = tuple(constant for constant in own if constant.startswith(begin))
+    others = tuple(f"{other.upper()}_" for other in definition.fields if other != name)
+    return named or tuple(constant for constant in own if not constant.startswith(others))
