@@ -96,6 +96,40 @@ def _localized(folder: Path) -> None:
     write_bag(folder / "monday", localized_mission())
 
 
+def _modes(folder: Path) -> None:
+    """A robot that drives, docks after 4 s of 12 s, and charges from the 8th on, with a lidar that fails."""
+    mission = small_mission(12)
+    mode = BagTopic("/mode", "std_msgs/msg/String")
+    diagnostics = BagTopic("/diagnostics", "diagnostic_msgs/msg/DiagnosticArray")
+    status = "diagnostic_msgs/msg/DiagnosticStatus"
+    words = [
+        BagMessage(mode.name, START_NS + second * 1_000_000_000 + 3, cdr(mode.type_name, text))
+        for second, text in (
+            (at, message_of(mode.type_name, data=word))
+            for at, word in ((0, "driving"), (4, "docking"), (8, "charging"))
+        )
+    ]
+    states = [
+        BagMessage(
+            diagnostics.name,
+            START_NS + second * 1_000_000_000 + 5,
+            cdr(
+                diagnostics.type_name,
+                message_of(
+                    diagnostics.type_name,
+                    status=[
+                        message_of(status, name="lidar front", level=2 if second == 6 else 0, message="beam"),
+                        message_of(status, name="battery", level=0, message="full"),
+                    ],
+                ),
+            ),
+        )
+        for second in range(12)
+    ]
+    messages = sorted((*mission.messages, *words, *states), key=lambda message: message.stamp_ns)
+    write_bag(folder / "monday", BagContent((*mission.topics, mode, diagnostics), tuple(messages)))
+
+
 def _plan(folder: Path) -> None:
     """An image, and no map that has its scale."""
     shutil.copy(EXAMPLES / "warehouse_map.png", folder / "plan.png")
@@ -126,6 +160,7 @@ PROJECTS: Mapping[str, Callable[[Path], None]] = MappingProxyType(
         "examples": _examples,
         "inspection": _inspection,
         "localized": _localized,
+        "modes": _modes,
         "monday": _monday,
         "plan": _plan,
         "radio": _radio,

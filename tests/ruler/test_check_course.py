@@ -12,6 +12,7 @@ import msgspec
 import pytest
 
 from bags.bag_factory import small_mission, write_bag
+from ruler.page_projects import PROJECTS
 from ruler.ruler_server import Page, served
 from smarttestudo.domain.signal import Truth
 from smarttestudo.ruler.files.project_folder import ProjectFolder
@@ -112,3 +113,27 @@ def test_what_is_no_check_of_the_project_is_refused(
     page: Page, change: dict[str, object], status: int
 ) -> None:
     assert page.post("/api/check/course", {"bag": "monday", "condition": FAR, **change}).status == status
+
+
+@pytest.mark.parametrize(
+    ("check", "words", "held_s"),
+    [
+        (
+            {"topic": "/mode", "property": "data", "value": '"docking"'},
+            ["driving", "docking", "charging"],
+            4.0,
+        ),
+        ({"topic": "/diagnostics", "property": 'status["lidar front"].level', "value": 2}, [], 1.0),
+        ({"topic": "/gripper", "property": "holds", "value": "true"}, ["true"], 12.0),
+    ],
+)
+def test_words_that_a_check_read_stand_in_the_place_of_a_curve(
+    tmp_path: Path, check: dict[str, object], words: list[str], held_s: float
+) -> None:
+    PROJECTS["modes"](tmp_path)
+    course = course_of(tmp_path, {"kind": "check", "op": "=", **check})
+    assert [word for _, word in course.words if word is not None] == words
+    turns = course.condition.turns
+    ends = [*(t_s for t_s, _ in turns[1:]), course.duration_s]
+    held = [end - t_s for (t_s, truth), end in zip(turns, ends, strict=True) if truth is Truth.TRUE]
+    assert held == pytest.approx([held_s], abs=0.3)

@@ -155,3 +155,24 @@ def test_other_rules_begin_anew_and_are_numbered_until_their_words_are_read() ->
 def test_a_robot_that_never_spoke_has_nothing() -> None:
     answer = told(RobotChecks(), 5.0)
     assert (answer.rules, answer.checks, answer.values) == ((), (), None)
+
+
+MODE = TEXT.replace("/odom pose_x > 3", '/mode data = "docking"')
+
+
+def test_words_that_a_check_read_are_told_with_when_they_came() -> None:
+    words = words_of(RuleTexts(files=(RuleText("far.adirf", MODE),), full_names={}))
+    checks = RobotChecks()
+    for second, mode in enumerate(["driving", "driving", "docking", None]):
+        one = seen(None, float(second), words=words, sha256=words.sha256)
+        (block,) = one.status.blocks
+        (check,) = block.checks
+        block = replace(block, checks=(replace(check, value=mode),))
+        checks.add(replace(one, status=replace(one.status, blocks=(block,))))
+    values = told(checks, 4.0, window_s=10).values
+    assert values is not None
+    assert values.words == ((6.0, "driving"), (8.0, "docking"), (9.0, None))
+    later = told(checks, 12.5, window_s=10).values
+    assert later is not None
+    assert later.words == ((0.0, "docking"), (0.5, None))
+    assert told(checks, 4.0).checks[0].limit == '"docking"'

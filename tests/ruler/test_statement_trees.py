@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from msgspec.structs import replace
@@ -14,7 +15,7 @@ from language.written_rules import WrittenFile, written_files
 from smarttestudo.domain.rate import Tier
 from smarttestudo.editing import EditError
 from smarttestudo.editing.difference import differences, mean_the_same
-from smarttestudo.editing.document import condition_meaning
+from smarttestudo.editing.document import condition_meaning, meaning
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
 from smarttestudo.ruler.rules.document import CheckedTexts, Draft, document
@@ -23,11 +24,15 @@ from smarttestudo.ruler.rules.sharing import ExportRequest, export
 from smarttestudo.ruler.rules.statements import (
     Action,
     AndCondition,
+    CallStatement,
     CheckCondition,
     Condition,
     DurationValue,
     Hz,
+    MarginValue,
     NotCondition,
+    NotifyStatement,
+    ParameterStatement,
     RawStatement,
     RecordStatement,
     RuleStatement,
@@ -113,6 +118,92 @@ def test_every_statement_sent_back_as_it_came_leaves_the_same_bytes(written: Wri
         edits = tuple(Replace(id=one.id, statement=one) for one in part.statements)
         request = EditRequest(text=written.text, name="rules.adirf", edits=edits)
         assert edit(request, texts).text == written.text
+
+
+@given(written_files())
+@settings(max_examples=60)
+def test_every_statement_written_anew_from_its_json_means_what_it_meant(written: WrittenFile) -> None:
+    texts = CheckedTexts()
+    page = document(Draft(text=written.text, name="rules.adirf"), texts)
+    sent = msgspec.json.encode([one for part in page.collections for one in part.statements])
+    inserts = tuple(
+        Insert(collection="c1", index=index, statement=one)
+        for index, one in enumerate(msgspec.json.decode(sent, type=list[Statement]))
+    )
+    anew = edit(EditRequest(text="begin\nend\n", name="rules.adirf", edits=inserts), texts).text
+    assert [*map(meaning, parse(anew, "anew.adirf").file.statements)] == [
+        *map(meaning, parse(written.text, "rules.adirf").file.statements)
+    ]
+
+
+ACTS = """\
+begin
+    SetFrequency /scan 2.0 .. 20 Hz By /scan distance 3 .. 0.50  // near
+    If CheckValue /mode data = "docking"  // word
+    Then
+        SetParameter /controller max_speed 1.0  // m/s
+        Call /light true
+        Notify "at \\"B\\""
+    EndIf
+end
+"""
+
+
+def test_the_page_has_margins_words_and_actions() -> None:
+    rate, rule = statements(ACTS)
+    assert isinstance(rate, SetStatement)
+    assert rate.margin == MarginValue(
+        to=Hz(value=20), topic="/scan", property="distance", from_value=3, to_value=0.5
+    )
+    assert isinstance(rule, RuleStatement)
+    assert isinstance(rule.condition, CheckCondition)
+    assert rule.condition.value == '"docking"'
+    parameter, call, notify = rule.then
+    assert isinstance(parameter, ParameterStatement)
+    assert (parameter.node, parameter.parameter, parameter.value) == ("/controller", "max_speed", "1.0")
+    assert isinstance(call, CallStatement)
+    assert (call.service, call.argument) == ("/light", True)
+    assert isinstance(notify, NotifyStatement)
+    assert notify.text == 'at "B"'
+
+
+def test_margins_words_and_actions_change_with_everything_else_untouched() -> None:
+    rate, rule = statements(ACTS)
+    assert isinstance(rate, SetStatement)
+    assert rate.margin is not None
+    nearer = replace(rate, margin=replace(rate.margin, to_value=0.25))
+    assert edited(nearer, ACTS) == ACTS.replace("20 Hz By", "20 By").replace("0.50", "0.25")
+    assert edited(replace(rate, margin=None), ACTS) == ACTS.replace(
+        " .. 20 Hz By /scan distance 3 .. 0.50", ""
+    )
+    assert isinstance(rule, RuleStatement)
+    assert isinstance(rule.condition, CheckCondition)
+    for value, written in (("true", "true"), (1.0, "1"), ("GoalStatus.STATUS_ABORTED",) * 2, ('"a"', '"a"')):
+        changed = edited(replace(rule, condition=replace(rule.condition, value=value)), ACTS)
+        assert changed == ACTS.replace('"docking"', written)
+    parameter, call, notify = rule.then
+    assert isinstance(parameter, ParameterStatement)
+    assert isinstance(call, CallStatement)
+    whole = edited(replace(rule, then=(replace(parameter, value="1"), call, notify)), ACTS)
+    assert whole == ACTS.replace("1.0  // m/s", "1  // m/s")
+    silent = edited(replace(rule, then=(parameter, replace(call, argument=None), notify)), ACTS)
+    assert silent == ACTS.replace("/light true", "/light")
+
+
+@pytest.mark.parametrize("value", ["docking", '"a" "b"', "", "1 2"])
+def test_what_no_rule_can_compare_with_is_refused(value: str) -> None:
+    first, negated, _, _ = parts()
+    with pytest.raises(EditError, match="no number, text in quotes, constant, true or false"):
+        with_condition(AndCondition(terms=(replace(first, value=value), negated)))
+
+
+def test_true_is_another_comparison_than_1() -> None:
+    text = ACTS.replace('"docking"', "1")
+    _, rule = statements(text)
+    assert isinstance(rule, RuleStatement)
+    assert isinstance(rule.condition, CheckCondition)
+    changed = edited(replace(rule, condition=replace(rule.condition, value="true")), text)
+    assert changed == text.replace("= 1", "= true")
 
 
 TIMES = [

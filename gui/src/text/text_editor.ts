@@ -192,9 +192,13 @@ const KEYWORDS = [
   "SetFrequency",
   "KeepAtLeast",
   "KeepWithin",
+  "By",
   "Record",
   "Before",
   "After",
+  "SetParameter",
+  "Call",
+  "Notify",
   "Disabled",
   "Rule",
   "Priority",
@@ -205,18 +209,19 @@ const KEYWORDS = [
 ];
 const LOGIC = ["AND", "OR", "Not", "CheckValue", "For", "Within", "Until"];
 const RATES = [...TIERS, "Full", "Off", "Hz"];
-const RATE_WORDS = [...RATES, "ms", "s", "min"];
+const RATE_WORDS = [...RATES, "ms", "s", "min", "true", "false"];
 
 const RESERVED = [...KEYWORDS, ...LOGIC].join("|");
 /** A keyword, also where the next keyword or a topic follows without a blank. */
 const KEYWORD = `(?<keyword>(?:${RESERVED})(?=(?:${RESERVED})*(?:/|(?![\\p{L}\\p{N}_.~[\\]-]))))`;
+const STRING = '"(?:[^"\\\\\\n]|\\\\.)*"';
 const BEFORE_WORDS = [
   "(?<comment>//.*)",
-  '(?<string>"[^"\\n]*"?)',
-  "(?<topic>/[\\w/{}~]+)",
+  `(?<string>${STRING}?)`,
+  "(?<topic>/[\\w/{}~*]+|@\\w+)",
   "(?<number>[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][+-]?\\d+)?)",
 ];
-const OTHERS = ["(?<word>[\\p{L}_][\\p{L}\\p{N}_.[\\]]*)", "\\S"];
+const OTHERS = [`(?<word>[\\p{L}_](?:[\\p{L}\\p{N}_.[\\]]|(?<=\\[)(?:${STRING}|\\*|-1))*)`, "\\S"];
 const PROPERTY = [...BEFORE_WORDS, ...OTHERS].join("|");
 const ANYTHING = [...BEFORE_WORDS, KEYWORD, ...OTHERS].join("|");
 
@@ -301,6 +306,12 @@ function isInComment(text: string): boolean {
 }
 
 function options(before: string, word: string, vocabulary: Vocabulary | null): Completion[] {
+  const [, of, compared] = /CheckValue\s*(\S+)\s+(\S+)\s*[<>!=]+\s*$/.exec(before) ?? [];
+  if (of !== undefined) {
+    const properties = vocabulary?.topics.find(({ topic }) => topic === of)?.properties ?? [];
+    const words = properties.find(({ name }) => name === compared)?.words ?? [];
+    return words.map((label) => ({ label, type: "constant" }));
+  }
   const [, keyword, named] = /(CheckValue|KeepWithin)\s*(\S+)\s+$/.exec(before) ?? [];
   const topics = vocabulary?.topics ?? [];
   const vitals = vocabulary?.vitals ?? [];

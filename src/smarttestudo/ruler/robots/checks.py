@@ -234,7 +234,9 @@ class _Words:
 
     def since(self, start_s: float, silent_s: float | None) -> tuple[tuple[float, str | None], ...]:
         """The words since ``start_s``, the first one at 0 or when it came; unknown from ``silent_s`` on."""
-        turns = [*self._turns, *([] if silent_s is None else [(silent_s, None)])]
+        turns = [*self._turns]
+        if silent_s is not None and turns[-1][1] is not None:
+            turns.append((silent_s, None))
         first = max((at for at, (turned_s, _) in enumerate(turns) if turned_s <= start_s), default=0)
         return tuple((round(max(turned_s - start_s, 0.0), _DIGITS), word) for turned_s, word in turns[first:])
 
