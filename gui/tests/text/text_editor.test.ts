@@ -14,7 +14,7 @@ const VOCABULARY: Vocabulary = {
       topic: "/odom",
       type: "nav_msgs/msg/Odometry",
       source: "example",
-      properties: [property("pose_x")],
+      properties: [property("pose_x"), { ...property("mode"), words: ["IDLE", "BUSY"] }],
       bounds: [property("position")],
       source_hz: null,
       levels_hz: null,
@@ -27,8 +27,9 @@ const VOCABULARY: Vocabulary = {
 };
 
 test.each([
-  ["CheckValue /odom ", ["pose_x", "age"]],
-  ["KeepWithin /odom ", ["position", "pose_x"]],
+  ["CheckValue /odom ", ["pose_x", "mode", "age"]],
+  ["CheckValue /odom mode != ", ["IDLE", "BUSY"]],
+  ["KeepWithin /odom ", ["position", "pose_x", "mode"]],
   ["KeepWithin ", ["/odom"]],
   ["CheckValue ", ["/odom", "@link"]],
   ["CheckValue @", ["@link"]],
@@ -58,6 +59,23 @@ test("a number is not completed", () => {
 
 test.each([
   ['Rule "Not // here" Priority 2', ["keyword Rule", 'string "Not // here"', "keyword Priority", "rate 2"]],
+  [
+    "CheckValue @link used > 1 SetFrequency /a/*/b 2 .. 5 By",
+    [
+      "logic CheckValue",
+      "topic @link",
+      "rate 1",
+      "keyword SetFrequency",
+      "topic /a/*/b",
+      "rate 2",
+      "rate 5",
+      "keyword By",
+    ],
+  ],
+  [
+    'CheckValue /d status["a \\"b\\" //c"].level = true Call /stop',
+    ["logic CheckValue", "topic /d", "rate true", "keyword Call", "topic /stop"],
+  ],
   ["SetFrequency/odom Off // slow", ["keyword SetFrequency", "topic /odom", "rate Off", "comment // slow"]],
   [
     "CheckValue /odom\n// of it\nPriority > -1.5e3",
