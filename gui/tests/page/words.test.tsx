@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { expect, test } from "vitest";
+import { test } from "vitest";
 import { commands, page } from "vitest/browser";
 import { openPage, type RulerPage } from "./ruler_page";
 
