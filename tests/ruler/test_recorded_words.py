@@ -13,7 +13,8 @@ import pytest
 from bags.bag_factory import START_NS, BagContent, BagMessage, BagTopic, cdr, message_of, write_bag
 from ruler.page_projects import PROJECTS
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.language.known_types import FieldType, KnownTypes, TypeDefinition
+from smarttestudo.domain.type_definition import FieldType, TypeDefinition
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.topics.known_fields import FieldKind, KnownField, known_fields
 from smarttestudo.ruler.topics.recorded_words import (

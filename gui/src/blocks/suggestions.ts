@@ -51,8 +51,9 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
       return [...known.map(choice(topic)), ...more.map(recordedChoice)];
     },
     words: (topic, name) => {
-      const property = properties(vocabulary.value, topic).find((each) => each.name === name);
-      return wordChoices(now, topic, name, property);
+      const all = properties(vocabulary.value, topic);
+      const found = all.find((each) => each.name === name) ?? all.find((each) => each.name === anyElement(name));
+      return wordChoices(now, topic, name, found);
     },
     allowed: () => [],
     bounds: (topic) => bounds(vocabulary.value, topic).map(choice(topic)),
@@ -111,6 +112,11 @@ function wordChoices(now: KnownNow, topic: string, name: string, property?: Prop
     ...value.map((text) => ({ word: quoted(text), aside: ON_ROBOT })),
     ...texts.map((text) => ({ word: quoted(text), aside: "in the recording" })),
   ];
+}
+
+/** The path of a field of any element, where a path says of which. */
+function anyElement(path: string): string {
+  return path.replace(/\[(?:"(?:[^"\\]|\\.)*"|-?\d+)\]/g, "[*]");
 }
 
 function isOf(check: { topic: string; property: string }, topic: string, property: string): boolean {

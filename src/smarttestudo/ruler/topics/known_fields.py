@@ -10,13 +10,16 @@ from itertools import islice
 
 from msgspec import Struct
 
-from smarttestudo.language.known_types import KnownTypes, TypeDefinition
+from smarttestudo.domain.type_definition import TypeDefinition
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.properties.field_path import ANY
 
 MOST_FIELDS = 60
 _DEEPEST = 4
 _TIME = "builtin_interfaces/msg/"
 _HEADER = "std_msgs/msg/Header"
+_SMALL = frozenset({"int8", "uint8", "byte", "char", "octet"})
+"""Constants that are called otherwise than a field are of one that is no count."""
 
 
 class FieldKind(Enum):
@@ -50,7 +53,7 @@ def known_fields(types: KnownTypes, type_name: str) -> tuple[KnownField, ...]:
 
 
 def _fields(types: KnownTypes, type_name: str, before: str, depth: int) -> Iterator[KnownField]:
-    definition = types.definitions.get(type_name)
+    definition = types.definition(type_name)
     if definition is None or depth == _DEEPEST:
         return
     for name, field in definition.fields.items():
@@ -80,5 +83,7 @@ def words_of(definition: TypeDefinition, name: str, type_name: str) -> tuple[str
     ]
     begin = f"{name.upper()}_"
     named = tuple(constant for constant in own if constant.startswith(begin))
+    if named or (kind is FieldKind.NUMBER and type_name not in _SMALL):
+        return named
     others = tuple(f"{other.upper()}_" for other in definition.fields if other != name)
-    return named or tuple(constant for constant in own if not constant.startswith(others))
+    return tuple(constant for constant in own if not constant.startswith(others))

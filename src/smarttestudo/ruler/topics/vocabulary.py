@@ -13,7 +13,7 @@ from msgspec import Struct
 from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import AccuracyTiers, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
-from smarttestudo.language.known_types import NO_TYPES, KnownTypes
+from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.properties import (
     ARRIVAL_PROPERTIES,
@@ -122,8 +122,10 @@ def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabul
     profile_text = request.profile_text
     profile = None if profile_text is None else parse_profile(profile_text, Path("profile.toml"))
     rules = None if request.text is None else parse(request.text, "the rules")
+    from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  it knows all of ROS 2
+
     return Vocabulary(
-        topics=tuple(_known_topics(profile, rules, robot_topics(), NO_TYPES)),
+        topics=tuple(_known_topics(profile, rules, robot_topics(), recorded_types())),
         every_topic=_properties(ARRIVAL_PROPERTIES.values(), TopicProfile()),
         vitals=tuple(
             KnownVitals(
