@@ -173,7 +173,8 @@ def _has_default(field: Field[Any]) -> bool:
 
 
 def _list_of(word: str) -> str:
-    return f"({word})[]" if " | " in word else f"{word}[]"
+    is_tuple = word.startswith("[") and word.endswith("]")
+    return f"({word})[]" if " | " in word and not is_tuple else f"{word}[]"
 
 
 def _interface_text(kind: type, lines: Iterator[str]) -> str:

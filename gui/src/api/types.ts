@@ -182,7 +182,7 @@ export interface CheckCourse {
   bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
-  words: ([number, string | null])[];
+  words: [number, string | null][];
   check: BlockTurns;
   condition: BlockTurns;
   notices: string[];
@@ -1410,7 +1410,7 @@ export interface RobotCheckValues {
   first_bin_s: number;
   least: (number | null)[];
   greatest: (number | null)[];
-  words: ([number, string | null])[];
+  words: [number, string | null][];
   turns: [number, Truth][];
 }
 
