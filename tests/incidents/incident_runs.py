@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from smarttestudo.domain.incident import Missing
 from smarttestudo.domain.names import resolve_topic
+from smarttestudo.domain.signal import Value
 from smarttestudo.incidents.recorder import IncidentRecorder
 from smarttestudo.incidents.sink import Incident, Past, Store
 from smarttestudo.incidents.topic_ring import GivenUp, IncidentMessage, SourceMessage
@@ -94,7 +95,7 @@ def recorder_for(
 
 
 def trigger(
-    rule_set: RuleSet, stamp_ns: int, block: int = 0, values: Mapping[str, float] | None = None
+    rule_set: RuleSet, stamp_ns: int, block: int = 0, values: Mapping[str, Value | None] | None = None
 ) -> Trigger:
     return Trigger(stamp_ns=stamp_ns, block=rule_set.blocks[block], values=values or {})
 

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 from bags.bag_reading import read_bag, read_with_mcap, read_with_rosbags
 from incidents.folder_runs import LATCHED, MS, START_MS, FolderRun, channel, disk_bytes, payloads, record_of
 from incidents.incident_runs import AMPLE_BYTES, recording_rules, trigger, windows
-from smarttestudo.bags.incident_record import read_record
+from smarttestudo.bags.incident_record import read_record, signal_texts
 from smarttestudo.files.whole_file import OutputFileError
 from smarttestudo.incidents.background import BackgroundSink
 from smarttestudo.incidents.folder import complete_incidents
@@ -164,6 +164,18 @@ def test_each_moment_of_an_incident_is_in_its_record_with_its_values(tmp_path: P
         {"/odom speed": math.inf},
         {"/odom speed": 2.5},
     ]
+
+
+def test_a_text_that_the_rule_read_stands_in_the_record_and_long_ones_leave_it_small(tmp_path: Path) -> None:
+    run = FolderRun(recording_rules('Record "one" /odom Before 10 s After 1 s'), tmp_path / "incidents")
+    for text in ("docking", *("\x1b[2J" * 250 + "…" for _ in range(500))):
+        run.recorder.begin(trigger(run.rule_set, run.clock_ms * MS, values={"/mode data": text}))
+        run.wait(10)
+    (path,) = run.finish()
+    record = read_record(path)
+    assert [*signal_texts(record.values)] == ['/mode data = "docking"']
+    assert (record.moments, len(record.further_moments)) == (501, 156)
+    assert (path / "incident.json").stat().st_size < 2_000_000
 
 
 def test_a_record_of_one_moment_is_what_earlier_versions_wrote(tmp_path: Path) -> None:

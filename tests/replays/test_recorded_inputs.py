@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bags.bag_factory import ODOM, odometry
+from bags.bag_factory import ODOM, cdr, message_of, odometry
 from robot.status.virtual_robot import VirtualRobot
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.cli.main import main
 from smarttestudo.domain.decision import AnyDecision, Decision
 from smarttestudo.domain.observation import (
+    Change,
     LinkBudget,
     ListenersChanged,
     SourceChanged,
@@ -49,10 +50,34 @@ begin
   Rule "Was near" If (CheckValue odom pose_y < 3 Within 1.5 s AND CheckValue odom pose_y > 2 Until < 1)
   Then SetFrequency /scan 7
   Rule "Silent" If (CheckValue odom age > 0.5) Then SetFrequency /scan 9
+  Rule "Docking" If (CheckValue /mode data = "docking" Within 200 ms) Then SetFrequency /imu 8
+  Rule "Other" If (CheckValue /mode data != "docking" AND CheckValue /mode data != "idle")
+  Then SetFrequency /imu 4
 end
 """
 OTHER_RULES = "begin SetFrequency /scan 3 end"
 NAMES = {"odom": "/tb3/odom"}
+MODE = Channel(topic="/mode", type_name="std_msgs/msg/String")
+SOURCES = [
+    ChangeInput(
+        stamp_ns=0,
+        change=SourceChanged(topic=topic, publishers=1, transient_local=False, type_name=type_name),
+    )
+    for topic, type_name in (("/tb3/odom", ODOM.type_name), (MODE.topic, MODE.type_name))
+]
+MODES = {
+    80 * MS: "idle",
+    2000 * MS: "docking",
+    2400 * MS: "idle",
+    3000 * MS: "\x1b[2J\u2028$(reboot)" * 200_000,
+}
+CHANGES: dict[int, Change] = {
+    5000 * MS: LinkBudget(link_kb_per_s=20.0),
+    5600 * MS: LinkBudget(link_kb_per_s=5.6, is_measured=True),
+    6200 * MS: ListenersChanged(topic="/scan", are_there=False),
+    6600 * MS: LinkBudget(link_kb_per_s=6.6, is_measured=True),
+    8400 * MS: ListenersChanged(topic="/scan", are_there=True),
+}
 
 
 def resolved(topic: str) -> str:
@@ -74,8 +99,8 @@ def drive(note: Note) -> list[Decision]:
         recorder.record(given, rules)
         loop.handle(given)
 
-    source = SourceChanged(topic="/tb3/odom", publishers=1, transient_local=False, type_name=ODOM.type_name)
-    take(ChangeInput(stamp_ns=0, change=source))
+    for given in SOURCES:
+        take(given)
     decode, channel = RosbagDecoder().decode, Channel(topic="/tb3/odom", type_name=ODOM.type_name)
     for now_ns in range(0, 10_000 * MS, 40 * MS):
         while (wake_ns := loop.next_wake_ns) is not None and wake_ns <= now_ns:
@@ -85,14 +110,11 @@ def drive(note: Note) -> list[Decision]:
             payload = odometry(0.0, now_ns / (1000 * MS))
             message = Undecodable() if now_ns == 4000 * MS else decode(channel, payload)
             take(MessageInput(now_ns, "/tb3/odom", payload, len(payload), message))
-        if now_ns == 5000 * MS:
-            take(ChangeInput(stamp_ns=now_ns, change=LinkBudget(link_kb_per_s=20.0)))
-        if now_ns in {5600 * MS, 6600 * MS}:
-            measured = LinkBudget(link_kb_per_s=now_ns / (1000 * MS), is_measured=True)
-            take(ChangeInput(stamp_ns=now_ns, change=measured))
-        if now_ns in {6200 * MS, 8400 * MS}:
-            change = ListenersChanged(topic="/scan", are_there=now_ns == 8400 * MS)
-            take(ChangeInput(stamp_ns=now_ns, change=change))
+        if now_ns in MODES:
+            payload = cdr(MODE.type_name, message_of(MODE.type_name, data=MODES[now_ns]))
+            take(MessageInput(now_ns, MODE.topic, payload, len(payload), decode(MODE, payload)))
+        if now_ns in CHANGES:
+            take(ChangeInput(stamp_ns=now_ns, change=CHANGES[now_ns]))
         if now_ns == 9000 * MS:
             rules = live_rules(OTHER_RULES)
             take(RulesInput(stamp_ns=now_ns, rule_set=rules.rule_set, profile=rules.profile))
@@ -104,10 +126,16 @@ def test_the_decisions_are_the_same_line_for_line(tmp_path: Path) -> None:
         decisions = drive(note)
     again = tmp_path / "again.jsonl"
     assert main(["replay", str(tmp_path / "inputs"), "--decisions", str(again)]) == 0
-    lines = [json.loads(line) for line in again.read_text(encoding="utf-8").splitlines()]
+    lines = [json.loads(line) for line in again.read_text(encoding="utf-8").split("\n")[:-1]]
     assert lines == [json.loads(json.dumps(decision.to_json())) for decision in decisions]
     assert {line["reason"] for line in lines} >= {"unknown", "default", "block", "budget", "link", "reload"}
-    assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent"}
+    assert {line["rule"] for line in lines} >= {"Stays", "Was near", "Silent", "Docking", "Other"}
+    (hostile,) = {
+        line["values"]["/mode data"]
+        for line in lines
+        if line["rule"] == "Other" and line["reason"] == "block"
+    }
+    assert (len(hostile), hostile[-1]) == (1001, "…")
 
 
 SOURCE_RULES = """\

@@ -15,6 +15,7 @@ from smarttestudo.bags.statistics import RecordingSpan
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.signal import Value
 from smarttestudo.domain.units import NS_PER_S, counted, grouped, utc_time
+from smarttestudo.language.formatter import value_text
 
 if TYPE_CHECKING:
     from smarttestudo.domain.incident import IncidentRecord, Missing
@@ -91,7 +92,8 @@ def _reason(record: IncidentRecord) -> str:
 def signal_texts(values: Mapping[str, Value | None]) -> Iterator[str]:
     """Values that the condition read, a text each; former versions wrote infinite ones as unknown ones."""
     for signal, value in values.items():
-        yield f"{signal} = {'unknown or infinite' if value is None else format(value, 'g')}"
+        known = value_text(value) if isinstance(value, str) else format(value or 0.0, "g")
+        yield f"{signal} = {'unknown or infinite' if value is None else known}"
 
 
 def incident_notices(record: IncidentRecord, span: RecordingSpan) -> Iterator[str]:

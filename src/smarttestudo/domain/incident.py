@@ -138,10 +138,19 @@ class IncidentRecord:
     def extended(self, triggered_ns: int, values: Mapping[str, Value | None], to_ns: int) -> IncidentRecord:
         """The record of an incident with one moment more, whose window is open until ``to_ns``."""
         further = self.further_moments
-        listed = sum(len(moment.values) for moment in further) + len(values)
+        listed = sum(map(_size, (*(moment.values for moment in further), values)))
         if len(further) < MAX_FURTHER_MOMENTS and listed <= _MAX_FURTHER_VALUES:
             further = (*further, FurtherMoment(triggered_ns=triggered_ns, values=values))
         return replace(self, to_ns=to_ns, moments=self.moments + 1, further_moments=further)
+
+
+_CHARACTERS_OF_VALUE = 32
+
+
+def _size(values: Mapping[str, Value | None]) -> int:
+    """How many values they count as; a long text is as many as it takes the place of."""
+    texts = sum(len(value) for value in values.values() if isinstance(value, str))
+    return len(values) + texts // _CHARACTERS_OF_VALUE
 
 
 def incident_folder_name(name: str, stamp_ns: int) -> str:

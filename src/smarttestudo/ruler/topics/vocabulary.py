@@ -24,7 +24,7 @@ from smarttestudo.language.properties import (
     properties_of,
 )
 from smarttestudo.language.properties.field_path import ANY
-from smarttestudo.language.syntax import Block, Statement
+from smarttestudo.language.syntax import Block, SetFrequency, Statement
 from smarttestudo.language.syntax_walks import bounds_in, checks_in, records_in, sets_in
 from smarttestudo.optimizer.problem import interval_hz
 from smarttestudo.ruler.job import job
@@ -233,8 +233,9 @@ def _users(rules: ParseResult | None) -> dict[str, list[str]]:
 def _topics_of(statement: Statement) -> set[str]:
     """The topics that a statement names, without patterns, machine and link."""
     if not isinstance(statement, Block):
-        margins = [one.margin for one in (statement,) if isinstance(one, SetFrequency) and one.margin is not None]
-        names = [statement.topic, *(margin.topic for margin in margins)]
+        names = [statement.topic]
+        if isinstance(statement, SetFrequency) and statement.margin is not None:
+            names.append(statement.margin.topic)
     else:
         actions = (*statement.then, *statement.otherwise)
         names = [
