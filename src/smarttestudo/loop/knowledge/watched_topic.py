@@ -147,7 +147,16 @@ class Fields:
     known, properties are plain field paths.
     """
 
-    __slots__ = ("_elements", "_kinds", "_level_unit", "_readers", "_readings", "_signals", "_type_name")
+    __slots__ = (
+        "_elements",
+        "_kinds",
+        "_level_unit",
+        "_only_kind",
+        "_readers",
+        "_readings",
+        "_signals",
+        "_type_name",
+    )
 
     def __init__(self, signals: Sequence[Signal], type_name: str, level_unit: LevelUnit | None) -> None:
         self._signals = signals
@@ -158,6 +167,8 @@ class Fields:
         }
         whole = (signal for place, signal in enumerate(signals) if place not in self._elements)
         self._kinds = sorted({signal.kind for signal in whole})
+        # Most topics have fields of one kind alone, and a message of them is to cost no more than it must.
+        self._only_kind = self._kinds[0] if len(self._kinds) == 1 and not self._elements else None
         self._readings = self.unknown_readings()
         self._readers = self._new_readers()
 
@@ -208,9 +219,10 @@ class Fields:
         """The values that still count at ``now_ns``."""
         if not source.has_value:
             return self.unknown_readings()
+        if self._only_kind is not None:
+            is_fresh = source.is_fresh(now_ns, self._only_kind)
+            return self._readings.copy() if is_fresh else self.unknown_readings()
         stale = [kind for kind in self._kinds if not source.is_fresh(now_ns, kind)]
-        if not stale and not self._elements:
-            return self._readings.copy()
         readings = [(signal, None if signal.kind in stale else value) for signal, value in self._readings]
         for place, period in self._elements.items():
             signal, value = self._readings[place]
@@ -219,6 +231,9 @@ class Fields:
 
     def stale_from_ns(self, source: SourceState, now_ns: int) -> int | None:
         """When the next value becomes stale if no message comes; ``None`` while none will."""
+        if self._only_kind is not None:
+            at_ns = source.stale_from_ns(self._only_kind)
+            return at_ns if at_ns is not None and at_ns > now_ns else None
         stale_ns = [source.stale_from_ns(kind) for kind in self._kinds]
         for place, period in self._elements.items():
             stale_ns.append(source.stale_from_ns(self._signals[place].kind, period))
