@@ -932,6 +932,13 @@ export interface NotCondition {
   term: Condition;
 }
 
+/** A text that a rule notifies while it holds, since `since_ns` on the robot's clock. */
+export interface Notice {
+  text: string;
+  rule: string | null;
+  since_ns: number;
+}
+
 /** `Notify "text"` in a rule. */
 export interface NotifyStatement {
   kind: "notify";
@@ -1636,6 +1643,7 @@ export interface RuntimeStatus {
   link?: LinkState;
   accepted?: Record<string, Omit<CommandTopic, "topic">>;
   incidents?: IncidentState;
+  notices?: Notice[];
   in_kb_per_s: number;
   out_kb_per_s: number;
   fallback: boolean;
