@@ -69,7 +69,7 @@ def check_live_rules(
     profile_path: Path | None,
     profile_text: str | None,
     resolve: Resolve,
-    known: KnownTypes,
+    known: KnownTypes | None = None,
 ) -> LiveRules:
     """The rules of ``texts`` by path beside the profile at ``profile_path``; their outputs have no names yet.
 
@@ -91,8 +91,8 @@ def check_live_rules(
     loaded = check_texts(texts, profile=profile, resolve=named)
     loaded.refuse_errors()
     return LiveRules(
-        rule_set=loaded.rule_set.by(known),
-        known=known,
+        rule_set=loaded.rule_set.by(known or KnownTypes()),
+        known=known or KnownTypes(),
         profile=profile or Profile(),
         in_force=loaded.in_force,
         texts=texts,
