@@ -4,70 +4,54 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
-from thin_link.network_namespaces import in_namespace
+from thin_link.emulated_path import PathConditions
+from thin_link.network_namespaces import Interface, emulator, in_namespace, namespaces
 
 SERVER = "server"
 SERVER_ADDRESS = "10.98.0.1"
-_DEVICE = "link0"
-_RADIO = ("tbf", "rate", "2mbit", "burst", "16kb", "latency", "400ms")
+_RADIO = PathConditions(rate_bits_per_s=2e6, queue_bytes=100_000)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Fleet:
-    """The namespaces, by the machines' names."""
+    """The namespace of the server, and each machine's device by its name."""
 
-    namespaces: dict[str, str]
+    server: str
+    machines: Mapping[str, Interface]
 
     def on(self, machine: str, command: Sequence[str]) -> list[str]:
         """The command that runs ``command`` on ``machine``."""
-        return in_namespace(self.namespaces[machine], command)
+        namespace = self.server if machine == SERVER else self.machines[machine].namespace
+        return in_namespace(namespace, command)
 
     def cut(self, machine: str) -> None:
         """Let a machine leave the coverage of its network."""
-        self.run("link", "set", _DEVICE, "down", on=machine)
+        end = self.machines[machine]
+        end.ip("link", "set", end.device, "down")
 
     def mend(self, machine: str) -> None:
         """Let it come back."""
-        self.run("link", "set", _DEVICE, "up", on=machine)
-        self.run("route", "replace", SERVER_ADDRESS, "dev", _DEVICE, on=machine)
-
-    def run(self, *arguments: str, on: str) -> None:
-        """``ip`` on a machine."""
-        subprocess.run(["ip", "-n", self.namespaces[on], *arguments], check=True, capture_output=True)
+        end = self.machines[machine]
+        end.ip("link", "set", end.device, "up")
+        end.ip("route", "replace", SERVER_ADDRESS, "dev", end.device)
 
 
 @contextmanager
 def fleet_network(machines: Sequence[str]) -> Iterator[Fleet]:
     """A server and ``machines``, each with 2 Mbit/s to it and no way to one another, gone at the end."""
-    fleet = Fleet(namespaces={name: f"fleet-{name}-{os.getpid()}" for name in (SERVER, *machines)})
-    try:
-        for namespace in fleet.namespaces.values():
-            subprocess.run(["ip", "netns", "add", namespace], check=True, capture_output=True)
-        fleet.run("link", "set", "lo", "up", on=SERVER)
-        fleet.run("address", "add", f"{SERVER_ADDRESS}/32", "dev", "lo", on=SERVER)
-        for number, machine in enumerate(machines, start=1):
-            _join(fleet, machine, number)
+    with ExitStack() as opened:
+        server, *others = opened.enter_context(namespaces(SERVER, *machines))
+        ends = dict[str, Interface]()
+        for number, (name, namespace) in enumerate(zip(machines, others, strict=True), start=1):
+            ends[name] = Interface(namespace=namespace, device="link0", addresses=(f"10.98.{number}.2/24",))
+            port = Interface(namespace=server, device=f"port{number}", addresses=(f"10.98.{number}.1/24",))
+            opened.enter_context(emulator(ends[name], port, _RADIO, seed=number))
+        port.ip("address", "add", f"{SERVER_ADDRESS}/32", "dev", "lo")
+        fleet = Fleet(server=server, machines=ends)
+        for name in machines:
+            fleet.mend(name)
         yield fleet
-    finally:
-        for namespace in fleet.namespaces.values():
-            subprocess.run(["ip", "netns", "del", namespace], check=False, capture_output=True)
-
-
-def _join(fleet: Fleet, machine: str, number: int) -> None:
-    port = f"port{number}"
-    peer = ("type", "veth", "peer", "name", port, "netns", fleet.namespaces[SERVER])
-    fleet.run("link", "add", _DEVICE, *peer, on=machine)
-    fleet.run("address", "add", f"10.98.{number}.2/24", "dev", _DEVICE, on=machine)
-    fleet.run("address", "add", f"10.98.{number}.1/24", "dev", port, on=SERVER)
-    fleet.run("link", "set", "lo", "up", on=machine)
-    fleet.run("link", "set", port, "up", on=SERVER)
-    fleet.mend(machine)
-    for name, device in ((machine, _DEVICE), (SERVER, port)):
-        queue = ["tc", "-n", fleet.namespaces[name], "qdisc", "add", "dev", device, "root", *_RADIO]
-        subprocess.run(queue, check=True, capture_output=True)

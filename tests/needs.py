@@ -94,8 +94,8 @@ NEEDS: Mapping[str, Need] = {
         is_there=functools.cache(lambda: shutil.which("cc") is not None and LIBRARY.exists()),
     ),
     "network_namespaces": Need(
-        name="the right to make network namespaces",
-        have_it="as root on Linux: apt install iproute2",
+        name="the right to make network namespaces and TUN devices",
+        have_it="as root on Linux: apt install iproute2; a container must be privileged",
         is_there=functools.cache(_can_make_namespaces),
     ),
 }

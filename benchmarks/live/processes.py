@@ -40,7 +40,9 @@ def environment(domain: int, *, large_messages: bool) -> dict[str, str]:
 class Process:
     """A process of one role, which answers questions."""
 
-    def __init__(self, arguments: Sequence[str], environment: dict[str, str]) -> None:
+    def __init__(
+        self, arguments: Sequence[str], environment: dict[str, str], pass_fds: Sequence[int] = ()
+    ) -> None:
         self._process = subprocess.Popen(
             arguments,
             stdin=subprocess.PIPE,
@@ -48,6 +50,7 @@ class Process:
             stderr=subprocess.DEVNULL,
             text=True,
             env=environment,
+            pass_fds=pass_fds,
         )
 
     def ask(self, question: str) -> Any:

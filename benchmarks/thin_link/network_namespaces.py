@@ -1,23 +1,35 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""A thin link between two network namespaces of this machine, which can change its rate and fail."""
+"""Links between network namespaces of this machine, whose packets a process carries as a radio would."""
 
 from __future__ import annotations
 
+import fcntl
+import json
 import os
 import shutil
+import struct
 import subprocess
+import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Any
 
+from live.processes import Process
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.units import grouped
+from thin_link.emulated_path import PathConditions, PathCounts
 
 ROBOT_ADDRESS, OPERATOR_ADDRESS = "10.99.0.1", "10.99.0.2"
+ROBOT_ADDRESS_V6, OPERATOR_ADDRESS_V6 = "fd99::1", "fd99::2"
+UNLIMITED = PathConditions(rate_bits_per_s=1e9, queue_bytes=10_000_000)
+QUEUE_S = 0.4
 _DEVICE = "link0"
-_QUEUE = ("burst", "16kb", "latency", "400ms")
-_TOOLS = ("ip", "tc")
+_TUN = Path("/dev/net/tun")
+_TUNSETIFF, _IFF_TUN, _IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
 _UP_TIMEOUT_S = 10.0
 _POLL_S = 0.02
 
@@ -26,34 +38,86 @@ class NetworkError(TestudoError):
     """A network of this machine that cannot be made, or that did not carry what it should."""
 
 
-class ThinLink:
-    """A veth pair between the namespaces of robot and operator, with a token bucket at both ends.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Interface:
+    """The end of a link: a device in a namespace, and its addresses with the lengths of their prefixes."""
 
-    The buckets have a queue of 400 ms. All methods raise ``NetworkError``.
-    """
+    namespace: str
+    device: str
+    addresses: Sequence[str]
 
-    def __init__(self, robot: str, operator: str) -> None:
-        self.robot = robot
-        self.operator = operator
+    def ip(self, *arguments: str) -> str:
+        """What ``ip`` says in its namespace. Raises ``NetworkError``."""
+        return _run("ip", "-n", self.namespace, *arguments)
+
+
+class EmulatedLink:
+    """A link between two interfaces, alike in both directions. All methods raise ``NetworkError``."""
+
+    def __init__(
+        self, first: Interface, second: Interface, emulator: Process, conditions: PathConditions
+    ) -> None:
+        self.first = first
+        self.second = second
+        self.conditions = conditions
+        self._emulator = emulator
+
+    def change(self, conditions: PathConditions) -> None:
+        """Let other conditions hold from now on, also for packets that wait."""
+        if conditions.mtu_bytes != self.conditions.mtu_bytes:
+            for end in (self.first, self.second):
+                end.ip("link", "set", end.device, "mtu", str(conditions.mtu_bytes))
+        self.conditions = conditions
+        self._ask(json.dumps(asdict(conditions)))
+
+    def counts(self) -> tuple[PathCounts, PathCounts]:
+        """The packets so far from the first end to the second, and back."""
+        there, back = self._ask("")
+        return PathCounts(**there), PathCounts(**back)
+
+    def _ask(self, line: str) -> Any:
+        try:
+            return self._emulator.ask(line)
+        except (OSError, ValueError) as error:
+            raise NetworkError("the emulator of the link has ended", remedy="try again") from error
+
+
+class ThinLink(EmulatedLink):
+    """A link between the namespaces of robot and operator."""
+
+    @property
+    def robot(self) -> str:
+        """The namespace of the robot."""
+        return self.first.namespace
+
+    @property
+    def operator(self) -> str:
+        """The namespace of the operator."""
+        return self.second.namespace
 
     def set_rate(self, bits_per_s: float) -> None:
-        """Let both directions carry so much from now on, headers included."""
-        rate = ("rate", f"{bits_per_s:.0f}bit")
-        for namespace in (self.robot, self.operator):
-            _run("tc", "-n", namespace, "qdisc", "replace", "dev", _DEVICE, "root", "tbf", *rate, *_QUEUE)
+        """Let both directions carry so much from now on, headers included, with a queue of 400 ms."""
+        queue_bytes = int(bits_per_s / 8 * QUEUE_S)
+        self.change(replace(self.conditions, rate_bits_per_s=bits_per_s, queue_bytes=queue_bytes))
 
     def cut(self) -> None:
-        """Carry nothing."""
-        _run("ip", "-n", self.robot, "link", "set", _DEVICE, "down")
+        """Have the robot's device go down."""
+        self.first.ip("link", "set", self.first.device, "down")
 
     def mend(self) -> None:
-        """Carry again."""
-        _run("ip", "-n", self.robot, "link", "set", _DEVICE, "up")
+        """Have it come up again."""
+        self.first.ip("link", "set", self.first.device, "up")
+
+    def move_robot(self, address: str) -> None:
+        """Give the robot another address, with the length of its prefix, in place of its first one."""
+        # One of the same network would go with the first.
+        self.first.ip("address", "delete", self.first.addresses[0], "dev", self.first.device)
+        self.first.ip("address", "add", address, "dev", self.first.device)
+        self.first = replace(self.first, addresses=(address, *self.first.addresses[1:]))
 
     def carried_bytes(self) -> int:
         """The bytes that arrived at the operator's end so far, headers included."""
-        counter = f"/sys/class/net/{_DEVICE}/statistics/rx_bytes"
-        return int(_run("ip", "netns", "exec", self.operator, "cat", counter))
+        return self.counts()[0].arrived_bytes
 
     def require_carried(self, least_bytes: float, since_bytes: int) -> None:
         """Raise ``NetworkError`` if it has carried less than that since it had carried ``since_bytes``.
@@ -74,41 +138,98 @@ def in_namespace(namespace: str, command: Sequence[str]) -> list[str]:
 
 
 def require_links() -> None:
-    """Raise ``NetworkError`` where this user cannot make network namespaces."""
+    """Raise ``NetworkError`` where this user cannot make links between network namespaces."""
     if os.name != "posix" or os.geteuid() != 0:
         raise NetworkError("making a link needs root on Linux", remedy="run it with sudo")
-    missing = [tool for tool in _TOOLS if shutil.which(tool) is None]
-    if missing:
+    if shutil.which("ip") is None:
+        raise NetworkError("making a link needs ip", remedy="install it: apt install iproute2")
+    try:
+        os.close(os.open(_TUN, os.O_RDWR))
+    except OSError as error:
         raise NetworkError(
-            f"making a link needs {' and '.join(missing)}", remedy="install them: apt install iproute2"
-        )
+            f"making a link needs {_TUN}: {error.strerror}",
+            remedy="start a container with --privileged, or with --cap-add NET_ADMIN --device /dev/net/tun",
+        ) from error
 
 
 @contextmanager
-def thin_link() -> Iterator[ThinLink]:
-    """A link, one at a time in a process, removed at the end with its namespaces. Raises ``NetworkError``."""
+def thin_link(conditions: PathConditions = UNLIMITED, seed: int = 1) -> Iterator[ThinLink]:
+    """A link with namespaces of its own, which go with it. Raises ``NetworkError``."""
     require_links()
-    names = [f"testudo-{side}-{os.getpid()}" for side in ("robot", "operator")]
+    with namespaces("robot", "operator") as (robot, operator):
+        ends = (
+            Interface(
+                namespace=robot,
+                device=_DEVICE,
+                addresses=(f"{ROBOT_ADDRESS}/24", f"{ROBOT_ADDRESS_V6}/64"),
+            ),
+            Interface(
+                namespace=operator,
+                device=_DEVICE,
+                addresses=(f"{OPERATOR_ADDRESS}/24", f"{OPERATOR_ADDRESS_V6}/64"),
+            ),
+        )
+        with emulator(*ends, conditions, seed) as process:
+            yield ThinLink(*ends, process, conditions)
+
+
+@contextmanager
+def namespaces(*names: str) -> Iterator[list[str]]:
+    """Network namespaces with a loopback each, by names of this process. Raises ``NetworkError``."""
+    made = [f"testudo-{name}-{os.getpid()}" for name in names]
     try:
-        for name in names:
-            _run("ip", "netns", "add", name)
-        pair = ("type", "veth", "peer", "name", _DEVICE, "netns", names[1])
-        _run("ip", "-n", names[0], "link", "add", _DEVICE, *pair)
-        for name, address in zip(names, (ROBOT_ADDRESS, OPERATOR_ADDRESS), strict=True):
-            _run("ip", "-n", name, "address", "add", f"{address}/24", "dev", _DEVICE)
-            for device in ("lo", _DEVICE):
-                _run("ip", "-n", name, "link", "set", device, "up")
-        _await_up(names)
-        yield ThinLink(*names)
+        for namespace in made:
+            _run("ip", "netns", "add", namespace)
+            _run("ip", "-n", namespace, "link", "set", "lo", "up")
+        yield made
     finally:
-        for name in names:
-            subprocess.run(["ip", "netns", "del", name], capture_output=True, check=False)
+        for namespace in made:
+            subprocess.run(["ip", "netns", "del", namespace], capture_output=True, check=False)
 
 
-def _await_up(namespaces: Sequence[str]) -> None:
+@contextmanager
+def emulator(
+    first: Interface, second: Interface, conditions: PathConditions, seed: int = 1
+) -> Iterator[Process]:
+    """The process of a link between two interfaces, which it makes. Raises ``NetworkError``."""
+    with ExitStack() as opened:
+        devices = [opened.enter_context(_device(end, conditions.mtu_bytes)) for end in (first, second)]
+        command = [sys.executable, "-m", "thin_link.emulator", *map(str, devices)]
+        process = Process(
+            [*command, json.dumps(asdict(conditions)), str(seed)],
+            {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            pass_fds=devices,
+        )
+        opened.callback(process.end)
+        _await_up((first, second))
+        # It answers once it carries packets.
+        process.ask("")
+        yield process
+
+
+@contextmanager
+def _device(end: Interface, mtu_bytes: int) -> Iterator[int]:
+    """The file of a new TUN device, which is in the namespace with its addresses."""
+    file = os.open(_TUN, os.O_RDWR | os.O_NONBLOCK)
+    try:
+        asked = struct.pack("16sH22x", b"testudo%d", _IFF_TUN | _IFF_NO_PI)
+        given = fcntl.ioctl(file, _TUNSETIFF, asked)[:16].rstrip(b"\0").decode()
+        _run("ip", "link", "set", given, "netns", end.namespace, "name", end.device)
+        # Without an address of its own it asks for no router: nothing is carried but what the ends send.
+        end.ip("link", "set", end.device, "addrgenmode", "none")
+        for address in end.addresses:
+            is_v6 = ":" in address
+            end.ip("address", "add", address, "dev", end.device, *(("nodad",) if is_v6 else ()))
+        end.ip("link", "set", end.device, "mtu", str(mtu_bytes), "up")
+        yield file
+    finally:
+        os.close(file)
+
+
+def _await_up(ends: Sequence[Interface]) -> None:
     """Return once both ends say that they are up: Fast DDS never takes an interface that did not."""
     end_s = time.monotonic() + _UP_TIMEOUT_S
-    while not all("state UP" in _run("ip", "-n", name, "link", "show", _DEVICE) for name in namespaces):
+    while not all("LOWER_UP" in end.ip("link", "show", end.device) for end in ends):
         if time.monotonic() > end_s:
             raise NetworkError(f"the link did not come up in {_UP_TIMEOUT_S:g} s")
         time.sleep(_POLL_S)
