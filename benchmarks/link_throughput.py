@@ -21,8 +21,9 @@ from dataclasses import dataclass, replace
 from statistics import median
 
 from live.processes import Process, processes
-from thin_link.roles import Topic, be_operator, be_robot
+from thin_link.roles import be_operator, be_robot
 from thin_link.tables import spread
+from thin_link.traffic import Topic
 
 CONTENDERS = {"testudo": "SmartTestudo", "zenoh": "plain Zenoh"}
 GRACE_S = 0.5

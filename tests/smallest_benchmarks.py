@@ -44,7 +44,10 @@ WITH_ROS: Mapping[str, str] = {
 }
 WITH_CHROMIUM: Mapping[str, str] = {"ruler_typing": "--rules 10 --turns 1"}
 WITH_ROS_AND_CHROMIUM: Mapping[str, str] = {"ruler_page": "--seconds 0"}
-WITH_NAMESPACES: Mapping[str, str] = {"link_ages": "--only thin --contender testudo --longer 0.2"}
+WITH_NAMESPACES: Mapping[str, str] = {
+    "link_ages": "--only thin --contender testudo --longer 0.2",
+    "radio_links": "--only wifi-walls --contender testudo --seconds 5",
+}
 SMALLEST = {**WITH_NOTHING, **WITH_ROS, **WITH_CHROMIUM, **WITH_ROS_AND_CHROMIUM, **WITH_NAMESPACES}
 
 

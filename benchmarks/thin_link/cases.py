@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
-from thin_link.roles import Topic
+from thin_link.emulated_path import PathConditions
+from thin_link.traffic import Topic
 
 WARM_S = 2.0
 """What is not counted at the beginning: nothing is known of the link then."""
@@ -54,13 +56,20 @@ class Arrival:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Seen:
-    """What one contender brought to the operator; ``used`` is of the link, ``flow_share`` of that."""
+    """What one contender brought to the operator.
+
+    ``used`` is of what the link does not lose, ``flow_share`` of that. Of each topic the robot ``published``
+    so many messages; of those its end began to send some, and counted others as overflowed, where it says so.
+    """
 
     arrived: Mapping[str, Sequence[Arrival]]
     seconds: float
     used: float
     cpu_s_per_mb: float
     flow_share: float | None = None
+    published: Mapping[str, int] = field(default_factory=dict)
+    begun: Mapping[str, int] = field(default_factory=dict)
+    overflowed: Mapping[str, int] = field(default_factory=dict)
 
     def of(self, topic: Topic, from_s: float = WARM_S, to_s: float = float("inf")) -> list[Arrival]:
         """What arrived of a topic in that time."""
@@ -90,54 +99,73 @@ def quantile(values: Sequence[float], share: float) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Target:
-    """A number that should be at most, or at least, a limit."""
+    """A number that should be at least one limit and at most the other."""
 
     name: str
     value: float
-    limit: float
-    is_least: bool = False
+    least: float = -math.inf
+    most: float = math.inf
 
     @property
     def is_met(self) -> bool:
-        """Whether it is."""
-        return self.value >= self.limit if self.is_least else self.value <= self.limit
+        """Whether it is; what could not be measured missed nothing."""
+        return math.isnan(self.value) or self.least <= self.value <= self.most
 
     @property
     def wanted(self) -> str:
         """The target in words."""
-        return f"{self.name} {'≥' if self.is_least else '≤'} {self.limit:g}"
+        if self.most == math.inf:
+            return f"{self.name} ≥ {self.least:g}"
+        if self.least <= 0:
+            return f"{self.name} ≤ {self.most:g}"
+        return f"{self.name} {self.least:g} to {self.most:g}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Case:
-    """One link and its traffic. ``steps`` are rates in Mbit/s from each time on; 0 is no link."""
+    """One link and its traffic. ``course`` has its conditions from each time on; ``None`` is no link."""
 
     title: str
     topics: Sequence[Topic]
-    steps: Sequence[tuple[float, float]]
+    course: Sequence[tuple[float, PathConditions | None]]
     seconds: float
     judge: Callable[[Seen], list[Target]]
     has_flow: bool = False
     takes_minutes: bool = False
 
     def capacity_bytes(self, from_s: float, to_s: float) -> float:
-        """What the link can carry in that time."""
-        ends = [*(at_s for at_s, _ in self.steps[1:]), float("inf")]
+        """What the link can carry in that time, and does not lose."""
+        ends = [*(at_s for at_s, _ in self.course[1:]), math.inf]
         spans = (
-            (max(0.0, min(end_s, to_s) - max(at_s, from_s)), rate)
-            for (at_s, rate), end_s in zip(self.steps, ends, strict=True)
+            (max(0.0, min(end_s, to_s) - max(at_s, from_s)), conditions)
+            for (at_s, conditions), end_s in zip(self.course, ends, strict=True)
         )
-        return sum(span_s * mbit * 125_000 for span_s, mbit in spans)
+        return sum(
+            span_s * one.rate_bits_per_s / 8 * (1 - one.loss) for span_s, one in spans if one is not None
+        )
+
+
+_QUEUE_S = 0.4
+
+
+def _mbit(*steps: tuple[float, float]) -> list[tuple[float, PathConditions | None]]:
+    """A link that loses nothing, with a rate in Mbit/s from each time on, and a queue of 400 ms."""
+    return [
+        (at_s, PathConditions(rate_bits_per_s=rate * 1e6, queue_bytes=int(rate * 125_000 * _QUEUE_S)))
+        if rate
+        else (at_s, None)
+        for at_s, rate in steps
+    ]
 
 
 def _judge_thin(seen: Seen) -> list[Target]:
     return [
         *(
-            Target(name=f"{one.name} p95 s", value=quantile(seen.ages_s([one]), 0.95), limit=0.15)
+            Target(name=f"{one.name} p95 s", value=quantile(seen.ages_s([one]), 0.95), most=0.15)
             for one in SMALL
         ),
-        Target(name="/image p95 s", value=quantile(seen.ages_s([IMAGE]), 0.95), limit=0.6),
-        Target(name="link used", value=seen.used, limit=0.9, is_least=True),
+        Target(name="/image p95 s", value=quantile(seen.ages_s([IMAGE]), 0.95), most=0.6),
+        Target(name="link used", value=seen.used, least=0.9),
     ]
 
 
@@ -153,10 +181,10 @@ def _judge_step(seen: Seen) -> list[Target]:
         Target(
             name="small at the fall, max s",
             value=quantile(seen.ages_s(SMALL, _FALLS_S, _FALLS_S + 2), 1.0),
-            limit=0.6,
+            most=0.6,
         ),
-        Target(name="small while low, p95 s", value=max(low), limit=0.25),
-        Target(name="90 % of the images again after s", value=next(back, float("inf")) - _RISES_S, limit=3.0),
+        Target(name="small while low, p95 s", value=max(low), most=0.25),
+        Target(name="90 % of the images again after s", value=next(back, float("inf")) - _RISES_S, most=3.0),
     ]
 
 
@@ -171,10 +199,10 @@ def _judge_outage(seen: Seen) -> list[Target]:
         Target(
             name="first message of small, age beyond a period s",
             value=max(late, default=float("inf")),
-            limit=_ROUND_TRIP_S,
+            most=_ROUND_TRIP_S,
         ),
-        Target(name="small after it, max s", value=newest, limit=1 / SCAN.hz + _ROUND_TRIP_S),
-        Target(name="first message after s", value=min(again, default=float("inf")) - _BACK_S, limit=3.0),
+        Target(name="small after it, max s", value=newest, most=1 / SCAN.hz + _ROUND_TRIP_S),
+        Target(name="first message after s", value=min(again, default=float("inf")) - _BACK_S, most=3.0),
     ]
 
 
@@ -182,8 +210,8 @@ def _judge_idle(seen: Seen) -> list[Target]:
     # The last may be under way.
     burst = len(seen.of(BURST, BURST.from_s, BURST.from_s + 2.0))
     return [
-        Target(name="heartbeats lost", value=lost(seen.of(HEARTBEAT, 0)), limit=0),
-        Target(name="share of the burst in 2 s", value=burst / (2 * BURST.hz), limit=0.9, is_least=True),
+        Target(name="heartbeats lost", value=lost(seen.of(HEARTBEAT, 0)), most=0),
+        Target(name="share of the burst in 2 s", value=burst / (2 * BURST.hz), least=0.9),
     ]
 
 
@@ -191,11 +219,11 @@ def _judge_floor(seen: Seen) -> list[Target]:
     got = seen.of(BATTERY, 0)
     gaps_s = [after.at_s - before.at_s for before, after in pairwise(got)]
     targets = [
-        Target(name="floor topic lost", value=lost(got), limit=0),
-        Target(name="its longest gap s", value=max(gaps_s, default=float("inf")), limit=2 / BATTERY.hz),
+        Target(name="floor topic lost", value=lost(got), most=0),
+        Target(name="its longest gap s", value=max(gaps_s, default=float("inf")), most=2 / BATTERY.hz),
     ]
     if seen.flow_share is not None:
-        targets.append(Target(name="TCP flow's share", value=seen.flow_share, limit=0.4, is_least=True))
+        targets.append(Target(name="TCP flow's share", value=seen.flow_share, least=0.4))
     return targets
 
 
@@ -203,11 +231,9 @@ def _judge_large(seen: Seen) -> list[Target]:
     _, image, cloud = LARGE
     gaps_s = [after.at_s - before.at_s for before, after in pairwise(seen.of(cloud, 0))]
     return [
-        Target(
-            name="images Hz", value=len(seen.of(image)) / (seen.seconds - WARM_S), limit=4.4, is_least=True
-        ),
-        Target(name="longest gap between clouds s", value=max(gaps_s, default=float("inf")), limit=3.5),
-        Target(name="bytes in whole messages", value=_whole_share(seen), limit=0.95, is_least=True),
+        Target(name="images Hz", value=len(seen.of(image)) / (seen.seconds - WARM_S), least=4.4),
+        Target(name="longest gap between clouds s", value=max(gaps_s, default=float("inf")), most=3.5),
+        Target(name="bytes in whole messages", value=_whole_share(seen), least=0.95),
     ]
 
 
@@ -219,33 +245,37 @@ def _whole_share(seen: Seen) -> float:
 
 CASES: Mapping[str, Case] = {
     "thin": Case(
-        title="2 Mbit/s, 5 offered", topics=(*SMALL, IMAGE), steps=[(0, 2)], seconds=20, judge=_judge_thin
+        title="2 Mbit/s, 5 offered",
+        topics=(*SMALL, IMAGE),
+        course=_mbit((0, 2)),
+        seconds=20,
+        judge=_judge_thin,
     ),
     "step": Case(
         title="8, 0.8 and again 8 Mbit/s, 5 offered",
         topics=(*SMALL, IMAGE),
-        steps=[(0, 8), (_FALLS_S, 0.8), (_RISES_S, 8)],
+        course=_mbit((0, 8), (_FALLS_S, 0.8), (_RISES_S, 8)),
         seconds=22,
         judge=_judge_step,
     ),
     "outage": Case(
         title="2 Mbit/s, and 10 s without a link",
         topics=(*SMALL, IMAGE),
-        steps=[(0, 2), (_CUT_S, 0), (_BACK_S, 2)],
+        course=_mbit((0, 2), (_CUT_S, 0), (_BACK_S, 2)),
         seconds=25,
         judge=_judge_outage,
     ),
     "idle": Case(
         title="2 Mbit/s, 35 s of heartbeats, then 1.6 Mbit/s",
         topics=(HEARTBEAT, BURST),
-        steps=[(0, 2)],
+        course=_mbit((0, 2)),
         seconds=40,
         judge=_judge_idle,
     ),
     "overload": Case(
         title="2 Mbit/s, 20 offered, a floor for one topic",
         topics=(BATTERY, CAMERA),
-        steps=[(0, 2)],
+        course=_mbit((0, 2)),
         seconds=60,
         judge=_judge_floor,
         takes_minutes=True,
@@ -253,7 +283,7 @@ CASES: Mapping[str, Case] = {
     "beside": Case(
         title="The same beside a TCP flow",
         topics=(BATTERY, CAMERA),
-        steps=[(0, 2)],
+        course=_mbit((0, 2)),
         seconds=20,
         judge=_judge_floor,
         has_flow=True,
@@ -261,7 +291,7 @@ CASES: Mapping[str, Case] = {
     "large": Case(
         title="25 Mbit/s, large messages, 106 offered before compression",
         topics=LARGE,
-        steps=[(0, _LARGE_MBIT)],
+        course=_mbit((0, _LARGE_MBIT)),
         seconds=20,
         judge=_judge_large,
     ),

@@ -8,19 +8,17 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 
 from live.processes import Process
 from thin_link.fast_dds import ENVIRONMENT
 from thin_link.network_namespaces import in_namespace
 
-_SCRIPT = Path(__file__).parents[1] / "link_ages.py"
-
 
 @contextmanager
 def process(namespace: str, command: Sequence[str]) -> Iterator[Process]:
     """A process in a namespace, which is ended at the end."""
-    started = Process(in_namespace(namespace, command), {**os.environ, **ENVIRONMENT})
+    environment = {**os.environ, **ENVIRONMENT, "PYTHONPATH": os.pathsep.join(sys.path)}
+    started = Process(in_namespace(namespace, command), environment)
     try:
         yield started
     finally:
@@ -30,5 +28,5 @@ def process(namespace: str, command: Sequence[str]) -> Iterator[Process]:
 @contextmanager
 def role(namespace: str, *arguments: str) -> Iterator[Process]:
     """A process of one end, which is ended at the end."""
-    with process(namespace, [sys.executable, str(_SCRIPT), "--be", *arguments]) as started:
+    with process(namespace, [sys.executable, "-m", "thin_link.role_process", *arguments]) as started:
         yield started

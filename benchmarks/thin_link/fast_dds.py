@@ -5,13 +5,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from thin_link.roles import Note, Publish, Topic
+from thin_link.traffic import Note, Publishing, Topic
 
 ENVIRONMENT: Mapping[str, str] = {
     "ROS_DOMAIN_ID": "79",
@@ -42,8 +41,8 @@ def _qos(topic: Topic) -> Any:
 
 
 @contextmanager
-def fast_dds_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Callable[[], bool]]]:
-    """A publisher for each topic, and whether all of them have a subscriber."""
+def fast_dds_robot(topics: Sequence[Topic]) -> Iterator[Publishing]:
+    """A publisher for each topic."""
     from std_msgs.msg import String  # noqa: PLC0415  see above
 
     with _node("robot") as node:
@@ -52,9 +51,9 @@ def fast_dds_robot(topics: Sequence[Topic]) -> Iterator[tuple[list[Publish], Cal
         def put(publisher: Any, payload: bytes) -> None:
             publisher.publish(_CDR + payload)
 
-        yield (
-            [partial(put, publisher) for publisher in publishers],
-            lambda: all(publisher.get_subscription_count() for publisher in publishers),
+        yield Publishing(
+            publishers=[partial(put, publisher) for publisher in publishers],
+            is_connected=lambda: all(publisher.get_subscription_count() for publisher in publishers),
         )
 
 

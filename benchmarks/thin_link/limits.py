@@ -20,7 +20,8 @@ from thin_link.cases import IMAGE, SMALL, Target
 from thin_link.ends import process, role
 from thin_link.fleet import FLEET_BYTES_PER_S, ROUTER
 from thin_link.network_namespaces import ThinLink, thin_link
-from thin_link.roles import ENDPOINT, Topic
+from thin_link.roles import ENDPOINT
+from thin_link.traffic import Topic
 
 STOPPED_S, STOP_AT_S, GO_ON_S = 30.0, 5.0, 20.0
 FULL_S, COST_S, FLEET_S = 45.0, 20.0, 15.0
@@ -69,11 +70,10 @@ def drive(
         Target(
             name="source's rate, share of its own",
             value=sum(told["published"]) / due,
-            limit=0.99,
-            is_least=True,
+            least=0.99,
         ),
-        Target(name="robot's end grew by MB", value=robot_mb, limit=20),
-        Target(name="operator's end grew by MB", value=operator_mb, limit=most_mb),
+        Target(name="robot's end grew by MB", value=robot_mb, most=20),
+        Target(name="operator's end grew by MB", value=operator_mb, most=most_mb),
     ]
 
 
@@ -113,11 +113,11 @@ def cost(link: ThinLink) -> list[Target]:
                 resident_mb[contender] = robot.resident_mb
     sent_mb_per_s = (link.carried_bytes() - before_bytes) / 1e6 / COST_S
     return [
-        Target(name="MB/s sent", value=sent_mb_per_s, limit=0.99, is_least=True),
-        Target(name="robot's end, % of a core", value=100 * cpu_s["testudo"] / COST_S, limit=10),
-        Target(name="of it the source, % of a core", value=100 * cpu_s["none"] / COST_S, limit=10),
+        Target(name="MB/s sent", value=sent_mb_per_s, least=0.99),
+        Target(name="robot's end, % of a core", value=100 * cpu_s["testudo"] / COST_S, most=10),
+        Target(name="of it the source, % of a core", value=100 * cpu_s["none"] / COST_S, most=10),
         Target(
-            name="more MB than without a link", value=resident_mb["testudo"] - resident_mb["none"], limit=60
+            name="more MB than without a link", value=resident_mb["testudo"] - resident_mb["none"], most=60
         ),
     ]
 
@@ -149,9 +149,9 @@ def _fleet(link: ThinLink, endpoint: str, options: tuple[str, ...], how: str) ->
             seen[count] = (100 * (operator.cpu_s - cpu_s) / FLEET_S, operator.resident_mb)
     share, memory_mb = ((many - few) / (FLEET - 1) for few, many in zip(seen[1], seen[FLEET], strict=True))
     return [
-        Target(name=f"{FLEET} robots{how}: operator's end, % of a core", value=seen[FLEET][0], limit=100),
-        Target(name=f"a robot{how}, % of a core", value=share, limit=2),
-        Target(name=f"a robot{how}, MB", value=memory_mb, limit=2),
+        Target(name=f"{FLEET} robots{how}: operator's end, % of a core", value=seen[FLEET][0], most=100),
+        Target(name=f"a robot{how}, % of a core", value=share, most=2),
+        Target(name=f"a robot{how}, MB", value=memory_mb, most=2),
     ]
 
 

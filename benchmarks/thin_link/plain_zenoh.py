@@ -14,14 +14,22 @@ from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.zenoh.session import has_subscribers
 
 _KEY = "plain"
+_WAYS: Mapping[str, str] = {
+    "zenoh": "tcp/{address}",
+    "zenoh-udp": "udp/{address}",
+    # Zenoh's QUIC without certificates; what is best effort goes in datagrams.
+    "zenoh-quic": "udp/{address}?rel=1;mixed_rel=1",
+}
+"""Zenoh's endpoint, by the contender."""
 
 
 @contextmanager
-def _session(mode: str, side: str, endpoint: str, *, compresses: bool) -> Iterator[zenoh.Session]:
+def _session(way: str, mode: str, side: str, endpoint: str, *, compresses: bool) -> Iterator[zenoh.Session]:
     config = zenoh.Config()
+    address = _WAYS[way].format(address=endpoint.partition("/")[2])
     settings = {
         "mode": mode,
-        f"{side}/endpoints": [endpoint],
+        f"{side}/endpoints": [address],
         "scouting/multicast/enabled": False,
         # Namespaces share /dev/shm: with shared memory, nothing would cross a link between them.
         "transport/shared_memory/enabled": False,
@@ -32,25 +40,27 @@ def _session(mode: str, side: str, endpoint: str, *, compresses: bool) -> Iterat
             config.insert_json5(key, json.dumps(value))
         session = zenoh.open(config)
     except zenoh.ZError as error:
-        raise LinkError("plain Zenoh does not open", place=endpoint, remedy="is the address free?") from error
+        raise LinkError("plain Zenoh does not open", place=address, remedy="is the address free?") from error
     with session:
         yield session
 
 
 @contextmanager
 def plain_robot(
-    endpoint: str, priorities: Mapping[str, str], *, compresses: bool
+    way: str, endpoint: str, priorities: Mapping[str, str], *, compresses: bool
 ) -> Iterator[tuple[Mapping[str, Callable[[bytes], None]], Callable[[], bool]]]:
     """A publisher of each topic with Zenoh's priority of that name, and whether an operator listens.
 
     What does not fit Zenoh's queues is dropped. Raises ``LinkError``.
     """
-    with _session("client", "connect", endpoint, compresses=compresses) as session:
+    reliability = zenoh.Reliability.RELIABLE if way == "zenoh" else zenoh.Reliability.BEST_EFFORT
+    with _session(way, "client", "connect", endpoint, compresses=compresses) as session:
         publishers = {
             topic: session.declare_publisher(
                 f"{_KEY}{topic}",
                 priority=getattr(zenoh.Priority, priority),
                 congestion_control=zenoh.CongestionControl.DROP,
+                reliability=reliability,
             )
             for topic, priority in priorities.items()
         }
@@ -59,9 +69,11 @@ def plain_robot(
 
 
 @contextmanager
-def plain_operator(endpoint: str, note: Callable[[str, bytes], None], *, compresses: bool) -> Iterator[None]:
+def plain_operator(
+    way: str, endpoint: str, note: Callable[[str, bytes], None], *, compresses: bool
+) -> Iterator[None]:
     """Have ``note`` told topic and payload of all that arrives, in Zenoh's thread. Raises ``LinkError``."""
-    with _session("router", "listen", endpoint, compresses=compresses) as session:
+    with _session(way, "router", "listen", endpoint, compresses=compresses) as session:
         kept = session.declare_subscriber(
             f"{_KEY}/**",
             lambda sample: note(str(sample.key_expr).removeprefix(_KEY), sample.payload.to_bytes()),

@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The processes at both ends of a link: SmartTestudo's, plain Zenoh's, and a plain TCP flow beside them.
 
-A payload begins with the time at which it was due and its number. Both ends run on one machine and read the
-same monotonic clock, so that arrival minus publication is the age.
+Both ends run on one machine and read the same monotonic clock, so that arrival minus publication is the age.
 """
 
 from __future__ import annotations
@@ -13,60 +12,27 @@ import json
 import os
 import resource
 import socket
-import struct
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
-from dataclasses import dataclass
 
 from thin_link.fast_dds import fast_dds_operator, fast_dds_robot
+from thin_link.foxglove_websocket import foxglove_operator, foxglove_robot
 from thin_link.network_namespaces import OPERATOR_ADDRESS
+from thin_link.traffic import HEAD, Note, Publish, Publishing, Topic
 
 ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7447"
 FLOW_PORT = 7448
-_HEAD = struct.Struct("<qI")
-_BLOCK_BYTES = 4_000
 _CONNECTED_WITHIN_S = 15.0
-
-Publish = Callable[[bytes], object]
-Note = Callable[[str, bytes], None]
-_Publishing = tuple[list[Publish], Callable[[], bool]]
-"""How to publish each topic, and whether somebody listens."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Topic:
-    """What the robot sends from ``from_s`` on; ``noise`` is the share of a payload that cannot be compressed.
-
-    ``priority`` and ``floor_hz`` are SmartTestudo's, ``zenoh_priority`` is plain Zenoh's, ``reliable``
-    Fast DDS's.
-    """
-
-    name: str
-    size_bytes: int
-    hz: float
-    priority: float
-    zenoh_priority: str
-    reliable: bool = False
-    floor_hz: float = 0.0
-    from_s: float = 0.0
-    noise: float = 1.0
-
-    def payload(self) -> bytes:
-        """Its payload without the head."""
-        noise_bytes = int(_BLOCK_BYTES * self.noise)
-        blocks = -(-self.size_bytes // _BLOCK_BYTES)
-        data = b"".join(os.urandom(noise_bytes) + bytes(_BLOCK_BYTES - noise_bytes) for _ in range(blocks))
-        return data[_HEAD.size : self.size_bytes]
 
 
 def be_robot(contender: str, topics: Sequence[Topic], seconds: float, endpoint: str = ENDPOINT) -> None:
     """Connect, wait for a line, publish for ``seconds``, and tell what that took."""
-    with _robot(contender, topics, endpoint) as (publishers, is_connected):
+    with _robot(contender, topics, endpoint) as end:
         give_up_s = time.monotonic() + _CONNECTED_WITHIN_S
-        while not is_connected():
+        while not end.is_connected():
             if time.monotonic() > give_up_s:
                 return
             time.sleep(0.05)
@@ -75,8 +41,10 @@ def be_robot(contender: str, topics: Sequence[Topic], seconds: float, endpoint: 
         cpu_s = _cpu_s()
         start_ns = time.monotonic_ns()
         print(json.dumps(start_ns), flush=True)
-        published = _publish(topics, publishers, start_ns, seconds)
+        published = _publish(topics, end.publishers, start_ns, seconds)
         print(json.dumps({"cpu_s": _cpu_s() - cpu_s, "published": published}), flush=True)
+        sys.stdin.readline()
+        print(json.dumps(end.counts()), flush=True)
         sys.stdin.readline()
 
 
@@ -85,7 +53,7 @@ def be_operator(contender: str, topics: Sequence[Topic], endpoint: str = ENDPOIN
     arrived: list[tuple[str, int, int, int, int]] = []
 
     def note(topic: str, payload: bytes) -> None:
-        stamp_ns, number = _HEAD.unpack_from(payload)
+        stamp_ns, number = HEAD.unpack_from(payload)
         arrived.append((topic, number, stamp_ns, time.monotonic_ns(), len(payload)))
 
     with _operator(contender, note, topics, endpoint):
@@ -133,7 +101,7 @@ def _publish(
     while due[0][0] < seconds and time.monotonic_ns() - start_ns < seconds * 1e9:
         due_s, at = heapq.heappop(due)
         time.sleep(max(0.0, due_s - (time.monotonic_ns() - start_ns) / 1e9))
-        publishers[at](_HEAD.pack(start_ns + round(due_s * 1e9), numbers[at]) + bodies[at])
+        publishers[at](HEAD.pack(start_ns + round(due_s * 1e9), numbers[at]) + bodies[at])
         numbers[at] += 1
         heapq.heappush(due, (due_s + 1 / topics[at].hz, at))
     return numbers
@@ -149,16 +117,18 @@ def warn(text: str) -> None:
     print(text, file=sys.stderr)
 
 
-def _robot(contender: str, topics: Sequence[Topic], endpoint: str) -> AbstractContextManager[_Publishing]:
+def _robot(contender: str, topics: Sequence[Topic], endpoint: str) -> AbstractContextManager[Publishing]:
     match contender:
         case "testudo":
             return _testudo_robot(topics, endpoint)
-        case "zenoh":
-            return _zenoh_robot(topics, endpoint)
         case "fastdds":
             return fast_dds_robot(topics)
-        case _:
+        case "foxglove":
+            return foxglove_robot(topics)
+        case "none":
             return _no_robot(topics)
+        case _:
+            return _zenoh_robot(contender, topics, endpoint)
 
 
 def _operator(
@@ -167,14 +137,16 @@ def _operator(
     match contender:
         case "testudo":
             return _testudo_operator(note, endpoint)
-        case "zenoh":
-            return _zenoh_operator(note, topics, endpoint)
-        case _:
+        case "fastdds":
             return fast_dds_operator(note, topics)
+        case "foxglove":
+            return foxglove_operator(note, topics)
+        case _:
+            return _zenoh_operator(contender, note, topics, endpoint)
 
 
 @contextmanager
-def _testudo_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing]:
+def _testudo_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[Publishing]:
     from smarttestudo.domain.link import LinkNeeds, StreamInfo  # noqa: PLC0415
     from smarttestudo.domain.robot import Qos  # noqa: PLC0415
     from smarttestudo.link.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
@@ -182,15 +154,24 @@ def _testudo_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishi
 
     qos = Qos(reliable=False, transient_local=False, depth=5)
     with open_robot_end("robot", LinkOptions(connect=(endpoint,), insecure=True), warn) as end:
-        end.follow({one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz) for one in topics})
+        end.follow(
+            {
+                one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz, is_full=one.is_full)
+                for one in topics
+            }
+        )
         infos = [StreamInfo(topic=one.name, type_name="std_msgs/msg/String", qos=qos) for one in topics]
-        yield [end.advertise(info).publish for info in infos], lambda: end.state.is_connected
+        yield Publishing(
+            publishers=[end.advertise(info).publish for info in infos],
+            is_connected=lambda: end.state.is_connected,
+            counts=lambda: {topic: (one.sent, one.overflowed) for topic, one in end.counts().items()},
+        )
 
 
 @contextmanager
-def _no_robot(topics: Sequence[Topic]) -> Iterator[_Publishing]:
+def _no_robot(topics: Sequence[Topic]) -> Iterator[Publishing]:
     """The same source without a link."""
-    yield [lambda _payload: None for _ in topics], lambda: True
+    yield Publishing(publishers=[lambda _payload: None for _ in topics], is_connected=lambda: True)
 
 
 @contextmanager
@@ -218,19 +199,19 @@ def _testudo_operator(note: Note, endpoint: str) -> Iterator[None]:
 
 
 @contextmanager
-def _zenoh_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[_Publishing]:
+def _zenoh_robot(way: str, topics: Sequence[Topic], endpoint: str) -> Iterator[Publishing]:
     from thin_link.plain_zenoh import plain_robot  # noqa: PLC0415  needs zenoh
 
     priorities = {one.name: one.zenoh_priority for one in topics}
-    with plain_robot(endpoint, priorities, compresses=_compresses(topics)) as (puts, is_connected):
-        yield [puts[one.name] for one in topics], is_connected
+    with plain_robot(way, endpoint, priorities, compresses=_compresses(topics)) as (puts, is_connected):
+        yield Publishing(publishers=[puts[one.name] for one in topics], is_connected=is_connected)
 
 
 @contextmanager
-def _zenoh_operator(note: Note, topics: Sequence[Topic], endpoint: str) -> Iterator[None]:
+def _zenoh_operator(way: str, note: Note, topics: Sequence[Topic], endpoint: str) -> Iterator[None]:
     from thin_link.plain_zenoh import plain_operator  # noqa: PLC0415  needs zenoh
 
-    with plain_operator(endpoint, note, compresses=_compresses(topics)):
+    with plain_operator(way, endpoint, note, compresses=_compresses(topics)):
         yield
 
 

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from statistics import median
 
 from thin_link.cases import Case, Seen, Target, quantile
-from thin_link.roles import Topic
+from thin_link.traffic import Topic
 
 _SHARES = (0.5, 0.95, 1.0)
 Runs = Mapping[str, Sequence[Seen]]
