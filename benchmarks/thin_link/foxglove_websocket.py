@@ -34,7 +34,8 @@ def foxglove_robot(topics: Sequence[Topic]) -> Iterator[Publishing]:
         def on_subscribe(self, client: Client, channel: ChannelView) -> None:  # noqa: ARG002  as it is called
             subscribed.add(channel.topic)
 
-    channels = [foxglove.Channel(one.name, message_encoding="cdr") for one in topics]
+    text = foxglove.Schema(name="std_msgs/msg/String", encoding="ros2msg", data=b"string data")
+    channels = [foxglove.Channel(one.name, message_encoding="cdr", schema=text) for one in topics]
     server = foxglove.start_server(host=ROBOT_ADDRESS, port=_PORT, server_listener=Listener())
     try:
         yield Publishing(

@@ -94,6 +94,10 @@ class Ends:
             self._streams[source.topic] = stream
             self.at(int(source.from_s * S), partial(self._publish, source))
         self.at(0, self._report)
+        self.go_on(seconds)
+
+    def go_on(self, seconds: float) -> None:
+        """Run until so many seconds have passed since the beginning."""
         end_ns = int(seconds * S)
         while self._events and self._events[0][0] <= end_ns and not self.is_over():
             at_ns, _, act = heapq.heappop(self._events)
