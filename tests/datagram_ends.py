@@ -26,8 +26,8 @@ arrived = []
 while True:
     ready, _, _ = select.select([listener, sys.stdin], [], [])
     if listener in ready:
-        data, (host, *_) = listener.recvfrom(65536)
-        arrived.append((int.from_bytes(data[:8], "little"), time.monotonic_ns(), host))
+        data, (host, port, *_) = listener.recvfrom(65536)
+        arrived.append((int.from_bytes(data[:8], "little"), time.monotonic_ns(), host, port))
     elif sys.stdin in ready:
         break
 print(json.dumps(arrived), flush=True)
@@ -50,14 +50,23 @@ for number in range(int(first), int(first + count)):
 print(json.dumps(sent))
 """
 
+_SEND_ON_REQUEST = """
+import socket, sys
+sender = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+for number, _ in enumerate(sys.stdin):
+    sender.sendto(number.to_bytes(8, "little"), (sys.argv[1], 5001))
+    print("sent", flush=True)
+"""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Arrived:
-    """A datagram that arrived, when, and from which address."""
+    """A datagram that arrived, when, and from where."""
 
     number: int
     at_ns: int
     host: str
+    port: int
 
 
 def send(
@@ -78,6 +87,23 @@ def send(
 
 
 @contextmanager
+def sender(link: ThinLink) -> Iterator[Callable[[], None]]:
+    """A socket of the robot that sends the next datagram whenever it is asked to."""
+    command = in_namespace(link.robot, [sys.executable, "-c", _SEND_ON_REQUEST, OPERATOR_ADDRESS])
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdin is not None
+        assert process.stdout is not None
+        stdin, stdout = process.stdin, process.stdout
+
+        def send_next() -> None:
+            stdin.write("\n")
+            stdin.flush()
+            stdout.readline()
+
+        yield send_next
+
+
+@contextmanager
 def receiver(link: ThinLink) -> Iterator[Callable[[], list[Arrived]]]:
     """A process of the operator that receives datagrams until it is asked for them."""
     command = in_namespace(link.operator, [sys.executable, "-c", _RECEIVE])
@@ -91,8 +117,8 @@ def receiver(link: ThinLink) -> Iterator[Callable[[], list[Arrived]]]:
             stdin.write("\n")
             stdin.flush()
             return [
-                Arrived(number=number, at_ns=at_ns, host=host)
-                for number, at_ns, host in json.loads(stdout.readline())
+                Arrived(number=number, at_ns=at_ns, host=host, port=port)
+                for number, at_ns, host, port in json.loads(stdout.readline())
             ]
 
         try:

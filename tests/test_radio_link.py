@@ -10,10 +10,15 @@ from itertools import pairwise
 
 import pytest
 
-from datagram_ends import HEADERS_BYTES, Arrived, receiver, send
+from datagram_ends import HEADERS_BYTES, Arrived, receiver, send, sender
 from link.protocol.simulated_link import quantile
 from thin_link.emulated_path import EmulatedPath, PathConditions
-from thin_link.network_namespaces import OPERATOR_ADDRESS, OPERATOR_ADDRESS_V6, thin_link
+from thin_link.network_namespaces import (
+    OPERATOR_ADDRESS,
+    OPERATOR_ADDRESS_V6,
+    ROBOT_ADDRESS,
+    thin_link,
+)
 from thin_link.scenario import load_scenario, scenario_paths
 
 pytestmark = [pytest.mark.full, pytest.mark.usefixtures("network_namespaces")]
@@ -107,6 +112,20 @@ def test_the_robot_s_address_changes_while_the_link_runs() -> None:
         time.sleep(0.2)
         hosts = [one.host.removeprefix("::ffff:") for one in arrived()]
     assert hosts == ["10.99.0.1"] * 3 + ["10.99.0.77"] * 3
+
+
+def test_a_robot_behind_a_router_has_another_port_after_a_rebinding() -> None:
+    with thin_link(FAST, is_behind_nat=True) as link, receiver(link) as arrived:
+        with sender(link) as send_next:
+            for is_after in (False, True):
+                if is_after:
+                    link.rebind()
+                send_next()
+        time.sleep(0.2)
+        found = arrived()
+    assert [one.number for one in found] == [0, 1]
+    assert {one.host.removeprefix("::ffff:") for one in found} == {ROBOT_ADDRESS}
+    assert [one.port for one in found] == [40_000, 40_001]
 
 
 @pytest.mark.parametrize("address", [OPERATOR_ADDRESS, OPERATOR_ADDRESS_V6])

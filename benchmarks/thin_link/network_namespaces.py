@@ -24,6 +24,8 @@ from smarttestudo.domain.units import grouped
 from thin_link.emulated_path import PathConditions, PathCounts
 
 ROBOT_ADDRESS, OPERATOR_ADDRESS = "10.99.0.1", "10.99.0.2"
+INSIDE_ADDRESS = "192.168.99.1"
+"""The robot's own, where a router is before it; others see the one above."""
 ROBOT_ADDRESS_V6, OPERATOR_ADDRESS_V6 = "fd99::1", "fd99::2"
 UNLIMITED = PathConditions(rate_bits_per_s=1e9, queue_bytes=10_000_000)
 QUEUE_S = 0.4
@@ -115,6 +117,10 @@ class ThinLink(EmulatedLink):
         self.first.ip("address", "add", address, "dev", self.first.device)
         self.first = replace(self.first, addresses=(address, *self.first.addresses[1:]))
 
+    def rebind(self) -> None:
+        """Have the router before the robot forget its flows, which get other ports then."""
+        self._ask("rebind")
+
     def carried_bytes(self) -> int:
         """The bytes that arrived at the operator's end so far, headers included."""
         return self.counts()[0].arrived_bytes
@@ -153,24 +159,29 @@ def require_links() -> None:
 
 
 @contextmanager
-def thin_link(conditions: PathConditions = UNLIMITED, seed: int = 1) -> Iterator[ThinLink]:
-    """A link with namespaces of its own, which go with it. Raises ``NetworkError``."""
+def thin_link(
+    conditions: PathConditions = UNLIMITED, seed: int = 1, *, is_behind_nat: bool = False
+) -> Iterator[ThinLink]:
+    """A link with namespaces of its own, which go with it. Raises ``NetworkError``.
+
+    The robot may be behind a router that translates its address.
+    """
     require_links()
+    own_address = INSIDE_ADDRESS if is_behind_nat else ROBOT_ADDRESS
     with namespaces("robot", "operator") as (robot, operator):
-        ends = (
-            Interface(
-                namespace=robot,
-                device=_DEVICE,
-                addresses=(f"{ROBOT_ADDRESS}/24", f"{ROBOT_ADDRESS_V6}/64"),
-            ),
-            Interface(
-                namespace=operator,
-                device=_DEVICE,
-                addresses=(f"{OPERATOR_ADDRESS}/24", f"{OPERATOR_ADDRESS_V6}/64"),
-            ),
+        first = Interface(
+            namespace=robot, device=_DEVICE, addresses=(f"{own_address}/24", f"{ROBOT_ADDRESS_V6}/64")
         )
-        with emulator(*ends, conditions, seed) as process:
-            yield ThinLink(*ends, process, conditions)
+        second = Interface(
+            namespace=operator,
+            device=_DEVICE,
+            addresses=(f"{OPERATOR_ADDRESS}/24", f"{OPERATOR_ADDRESS_V6}/64"),
+        )
+        translated = (INSIDE_ADDRESS, ROBOT_ADDRESS) if is_behind_nat else ()
+        with emulator(first, second, conditions, seed, translated) as process:
+            if is_behind_nat:
+                first.ip("route", "add", "default", "dev", _DEVICE)
+            yield ThinLink(first, second, process, conditions)
 
 
 @contextmanager
@@ -189,14 +200,21 @@ def namespaces(*names: str) -> Iterator[list[str]]:
 
 @contextmanager
 def emulator(
-    first: Interface, second: Interface, conditions: PathConditions, seed: int = 1
+    first: Interface,
+    second: Interface,
+    conditions: PathConditions,
+    seed: int = 1,
+    translated: Sequence[str] = (),
 ) -> Iterator[Process]:
-    """The process of a link between two interfaces, which it makes. Raises ``NetworkError``."""
+    """The process of a link between two interfaces, which it makes. Raises ``NetworkError``.
+
+    A router may translate the address of the first one: the one inside and the one outside.
+    """
     with ExitStack() as opened:
         devices = [opened.enter_context(_device(end, conditions.mtu_bytes)) for end in (first, second)]
         command = [sys.executable, "-m", "thin_link.emulator", *map(str, devices)]
         process = Process(
-            [*command, json.dumps(asdict(conditions)), str(seed)],
+            [*command, json.dumps(asdict(conditions)), str(seed), *translated],
             {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
             pass_fds=devices,
         )
