@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,6 +50,13 @@ def test_a_radio_of_one_s_own_is_a_file(tmp_path: Path) -> None:
     assert scenario.course == [(0.0, begin), (10, replace(begin, loss=1, blocks_udp=True))]
     assert scenario.observed == {"small_age_p95_ms": Interval(least=0, most=200)}
     assert scenario.case().capacity_bytes(0, 30) == 5_000_000
+
+
+def test_the_radio_in_the_documentation_can_be_measured(tmp_path: Path) -> None:
+    page = Path(__file__).parents[1] / "docs" / "contributors" / "benchmark-link.md"
+    found = re.search(r"```toml[^\n]*\n(.*?)```", page.read_text("utf-8"), re.DOTALL)
+    assert found is not None
+    assert [at_s for at_s, _ in loaded(tmp_path, found[1]).course] == [0, 10, 14]
 
 
 @pytest.mark.parametrize("name", scenario_paths())

@@ -91,8 +91,10 @@ def spread(values: Sequence[float], form: str) -> str:
 
 
 def _shown(value: float, form: str) -> str:
-    """``value``, or that there was nothing to measure it by."""
-    return f"{value:{form}}" if math.isfinite(value) else "none"
+    """``value``, or that there was nothing to measure it by; large ones without an exponent."""
+    if not math.isfinite(value):
+        return "none"
+    return f"{value:.0f}" if value >= 1_000 else f"{value:{form}}"
 
 
 def _row(cells: Iterable[str]) -> str:
