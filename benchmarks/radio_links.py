@@ -16,7 +16,7 @@ import sys
 from pathlib import Path
 
 from smarttestudo.domain.errors import TestudoError
-from thin_link.cases import Case, Seen
+from thin_link.cases import Beside, Case, Seen
 from thin_link.measuring import CONTENDERS, measured
 from thin_link.network_namespaces import require_links
 from thin_link.scenario import load_scenario, scenario_paths
@@ -28,8 +28,10 @@ def compare(arguments: argparse.Namespace) -> None:
     print(f"Load of this machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} processors", flush=True)
     known = scenario_paths()
     paths = [known.get(one, Path(one)) for one in arguments.only or known]
-    cases = [(load_scenario(path).case(), str(path)) for path in paths]
-    contenders = arguments.contender or list(CONTENDERS)
+    cases = [(load_scenario(path).case(Beside(arguments.beside)), str(path)) for path in paths]
+    # Two of others would meet at one address.
+    everyone = list(CONTENDERS) if arguments.beside == Beside.NOTHING.value else ["testudo"]
+    contenders = arguments.contender or everyone
     seen: dict[Case, dict[str, list[Seen]]] = {case: {} for case, _ in cases}
     try:
         for number in range(arguments.rounds):
@@ -54,6 +56,8 @@ def main() -> None:
     parser.add_argument(
         "--only", nargs="+", metavar="RADIO", help=f"{', '.join(scenario_paths())}, or the path of a file"
     )
+    besides = [one.value for one in Beside]
+    parser.add_argument("--beside", choices=besides, default="nothing", help="what else the radio carries")
     parser.add_argument("--contender", nargs="+", choices=CONTENDERS, help="only these")
     parser.add_argument("--rounds", type=int, default=1, help="how often (default: %(default)s)")
     parser.add_argument("--seconds", type=float, help="of a run (default: as the file says, else 20)")

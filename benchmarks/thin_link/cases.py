@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from enum import Enum
 from itertools import pairwise
 
 from thin_link.emulated_path import PathConditions
@@ -58,15 +59,16 @@ class Arrival:
 class Seen:
     """What one contender brought to the operator.
 
-    ``used`` is of what the link does not lose, ``flow_share`` of that. Of each topic the robot ``published``
-    so many messages; of those its end began to send some, and counted others as overflowed, where it says so.
+    ``used`` is of what the link does not lose, ``other_share`` of that what went beside. Of each topic the
+    robot ``published`` so many messages; of those its end began to send some, and counted others as
+    overflowed, where it says so.
     """
 
     arrived: Mapping[str, Sequence[Arrival]]
     seconds: float
     used: float
     cpu_s_per_mb: float
-    flow_share: float | None = None
+    other_share: float | None = None
     published: Mapping[str, int] = field(default_factory=dict)
     begun: Mapping[str, int] = field(default_factory=dict)
     overflowed: Mapping[str, int] = field(default_factory=dict)
@@ -115,10 +117,18 @@ class Target:
     def wanted(self) -> str:
         """The target in words."""
         if self.most == math.inf:
-            return f"{self.name} ≥ {self.least:g}"
+            return self.name if self.least == -math.inf else f"{self.name} ≥ {self.least:g}"
         if self.least <= 0:
             return f"{self.name} ≤ {self.most:g}"
         return f"{self.name} {self.least:g} to {self.most:g}"
+
+
+class Beside(Enum):
+    """What else the link carries: a TCP flow that takes what it gets, or a second robot with its operator."""
+
+    NOTHING = "nothing"
+    FLOW = "flow"
+    ROBOT = "robot"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -130,7 +140,7 @@ class Case:
     course: Sequence[tuple[float, PathConditions | None]]
     seconds: float
     judge: Callable[[Seen], list[Target]]
-    has_flow: bool = False
+    beside: Beside = Beside.NOTHING
     takes_minutes: bool = False
 
     def capacity_bytes(self, from_s: float, to_s: float) -> float:
@@ -222,8 +232,8 @@ def _judge_floor(seen: Seen) -> list[Target]:
         Target(name="floor topic lost", value=lost(got), most=0),
         Target(name="its longest gap s", value=max(gaps_s, default=float("inf")), most=2 / BATTERY.hz),
     ]
-    if seen.flow_share is not None:
-        targets.append(Target(name="TCP flow's share", value=seen.flow_share, least=0.4))
+    if seen.other_share is not None:
+        targets.append(Target(name="TCP flow's share", value=seen.other_share, least=0.4))
     return targets
 
 
@@ -286,7 +296,7 @@ CASES: Mapping[str, Case] = {
         course=_mbit((0, 2)),
         seconds=20,
         judge=_judge_floor,
-        has_flow=True,
+        beside=Beside.FLOW,
     ),
     "large": Case(
         title="25 Mbit/s, large messages, 106 offered before compression",

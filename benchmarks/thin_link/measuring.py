@@ -9,12 +9,14 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from typing import Any
 
 from live.processes import Process
-from thin_link.cases import WARM_S, Arrival, Case, Seen
+from thin_link.cases import WARM_S, Arrival, Beside, Case, Seen
 from thin_link.ends import role
-from thin_link.network_namespaces import NetworkError, ThinLink, thin_link
+from thin_link.network_namespaces import OPERATOR_ADDRESS, NetworkError, ThinLink, thin_link
+from thin_link.roles import ENDPOINT
 
 CONTENDERS: Mapping[str, str] = {
     "testudo": "SmartTestudo",
@@ -24,6 +26,7 @@ CONTENDERS: Mapping[str, str] = {
     "foxglove": "Foxglove",
     "fastdds": "Fast DDS",
 }
+SECOND_ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7451"
 _GRACE_S = 0.5
 """What is under way when the robot stops may arrive so much later."""
 _TRIPS_OF_GRACE = 6
@@ -39,7 +42,7 @@ def measured(case: Case, traffic: str, contender: str, seconds: float, seed: int
     assert conditions is not None
     try:
         with thin_link(conditions, seed) as link:
-            brought = _measure(case, traffic, contender, seconds, link)
+            brought = _measure(case, _Run(link, contender, traffic, seconds))
     except NetworkError as error:
         print(error, file=sys.stderr)
         return None
@@ -48,26 +51,49 @@ def measured(case: Case, traffic: str, contender: str, seconds: float, seed: int
     return brought
 
 
-def _measure(case: Case, traffic: str, contender: str, seconds: float, link: ThinLink) -> Seen | None:
-    with ExitStack() as opened:
-        operator = opened.enter_context(role(link.operator, "operator", contender, "--traffic", traffic))
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """One run, whose processes it starts."""
+
+    link: ThinLink
+    contender: str
+    traffic: str
+    seconds: float
+
+    def pair(self, opened: ExitStack, endpoint: str) -> tuple[Process, Process] | None:
+        """An operator and a robot that have met; ``None`` where they do not."""
+        options = ("--traffic", self.traffic, "--endpoint", endpoint)
+        operator = opened.enter_context(role(self.link.operator, "operator", self.contender, *options))
         operator.line()
-        sink = opened.enter_context(role(link.operator, "flow-sink")) if case.has_flow else None
-        if sink is not None:
-            sink.line()
-        arguments = ("robot", contender, "--traffic", traffic, "--seconds", str(seconds))
-        robot = opened.enter_context(role(link.robot, *arguments))
-        if not robot.line():
+        arguments = ("robot", self.contender, *options, "--seconds", str(self.seconds))
+        robot = opened.enter_context(role(self.link.robot, *arguments))
+        return (operator, robot) if robot.line() else None
+
+    def other(self, opened: ExitStack, beside: Beside) -> _Other | None:
+        """What goes over the link beside them; ``None`` where its ends do not meet."""
+        if beside is Beside.NOTHING:
+            return _Other()
+        if beside is Beside.FLOW:
+            return _Flow(opened, self.seconds, self.link)
+        pair = self.pair(opened, SECOND_ENDPOINT)
+        return None if pair is None else _SecondRobot(*pair)
+
+
+def _measure(case: Case, run: _Run) -> Seen | None:
+    link, seconds = run.link, run.seconds
+    with ExitStack() as opened:
+        pair, other = run.pair(opened, ENDPOINT), run.other(opened, case.beside)
+        if pair is None or other is None:
             return None
+        operator, robot = pair
         start_bytes = link.carried_bytes()
         start_ns = robot.ask("go")
-        if case.has_flow:
-            opened.enter_context(role(link.robot, "flow-source", "--seconds", str(seconds)))
+        other.start()
         warm_bytes, end_bytes = _run_link(case, seconds, start_ns, link)
         told, counts = json.loads(robot.line()), _counts(robot, link)
         carried_bytes = link.carried_bytes() - start_bytes
         arrived = operator.ask("end")
-        flow = sink.ask("end") if sink is not None else None
+        other_bytes = other.bytes_between(start_ns + int(WARM_S * 1e9), start_ns + int(seconds * 1e9))
     least_share = 0.9 * min(topic.noise for topic in case.topics)
     link.require_carried(least_share * sum(each[4] for each in arrived), start_bytes)
     return Seen(
@@ -75,11 +101,55 @@ def _measure(case: Case, traffic: str, contender: str, seconds: float, link: Thi
         seconds=seconds,
         used=(end_bytes - warm_bytes) / case.capacity_bytes(WARM_S, seconds),
         cpu_s_per_mb=told["cpu_s"] / (carried_bytes / 1e6),
-        flow_share=None if flow is None else _flow_bytes(flow, start_ns, seconds) / (end_bytes - warm_bytes),
+        other_share=None if case.beside is Beside.NOTHING else other_bytes / (end_bytes - warm_bytes),
         published={one.name: count for one, count in zip(case.topics, told["published"], strict=True)},
         begun={topic: begun for topic, (begun, _) in counts.items()},
         overflowed={topic: overflowed for topic, (_, overflowed) in counts.items()},
     )
+
+
+class _Other:
+    """What goes over the link beside what is measured: nothing."""
+
+    def start(self) -> None:
+        """Begin."""
+
+    def bytes_between(self, _from_ns: int, _to_ns: int) -> int:
+        """End, and tell how many bytes arrived in that time."""
+        return 0
+
+
+class _Flow(_Other):
+    """A TCP flow that takes what it gets."""
+
+    def __init__(self, opened: ExitStack, seconds: float, link: ThinLink) -> None:
+        self._opened = opened
+        self._seconds = seconds
+        self._link = link
+        self._sink = opened.enter_context(role(link.operator, "flow-sink"))
+        self._sink.line()
+
+    def start(self) -> None:
+        arguments = ("flow-source", "--seconds", str(self._seconds))
+        self._opened.enter_context(role(self._link.robot, *arguments))
+
+    def bytes_between(self, from_ns: int, to_ns: int) -> int:
+        totals = [total for at_ns, total in self._sink.ask("end") if from_ns <= at_ns < to_ns]
+        return totals[-1] - totals[0] if totals else 0
+
+
+class _SecondRobot(_Other):
+    """A robot that sends the same to an operator of its own."""
+
+    def __init__(self, operator: Process, robot: Process) -> None:
+        self._operator = operator
+        self._robot = robot
+
+    def start(self) -> None:
+        self._robot.ask("go")
+
+    def bytes_between(self, from_ns: int, to_ns: int) -> int:
+        return sum(size for *_, at_ns, size in self._operator.ask("end") if from_ns <= at_ns < to_ns)
 
 
 def _counts(robot: Process, link: ThinLink) -> dict[str, tuple[int, int]]:
@@ -114,9 +184,3 @@ def _by_topic(arrived: Sequence[Sequence[Any]], start_ns: int) -> dict[str, list
         one = Arrival(number=number, sent_s=(sent_ns - start_ns) / 1e9, at_s=(at_ns - start_ns) / 1e9)
         found.setdefault(topic, []).append(one)
     return found
-
-
-def _flow_bytes(seen: Sequence[tuple[int, int]], start_ns: int, seconds: float) -> int:
-    """What the TCP flow brought after the warm-up."""
-    totals = [total for at_ns, total in seen if WARM_S <= (at_ns - start_ns) / 1e9 < seconds]
-    return totals[-1] - totals[0] if totals else 0

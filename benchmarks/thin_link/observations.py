@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from thin_link.cases import IMU, ODOM, SCAN, WARM_S, Seen, quantile
+from thin_link.cases import IMU, ODOM, SCAN, WARM_S, Seen, Target, quantile
 from thin_link.traffic import Topic
 
 LAST_S = 1.0
@@ -109,3 +109,21 @@ OBSERVED: Mapping[str, Observation] = {
     "older_after_newer": Observation(text="older shown after newer", of=_older_after_newer),
 }
 """By the names that files have for them."""
+
+_LEAST_SHARE = 1 / 6
+"""A third of a half."""
+
+
+def judge_fairness(seen: Seen) -> list[Target]:
+    """Whether neither of two takes more from the other than is fair."""
+    assert seen.other_share is not None
+    small = OBSERVED["small_age_p95_ms"]
+    return [
+        Target(
+            name="share of what goes beside",
+            value=seen.other_share,
+            least=round(_LEAST_SHARE, 3),
+            most=round(1 - _LEAST_SHARE, 3),
+        ),
+        Target(name=small.text, value=small.of(seen)),
+    ]

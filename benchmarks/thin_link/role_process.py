@@ -11,7 +11,7 @@ from pathlib import Path
 from thin_link.cases import CASES
 from thin_link.fleet import be_fleet, be_router, be_stuck
 from thin_link.limits import TRAFFIC
-from thin_link.roles import be_flow_sink, be_flow_source, be_operator, be_robot
+from thin_link.roles import ENDPOINT, be_flow_sink, be_flow_source, be_operator, be_robot
 from thin_link.scenario import load_scenario
 from thin_link.traffic import Topic
 
@@ -29,12 +29,14 @@ def main() -> None:
     parser.add_argument("role", nargs="+")
     parser.add_argument("--seconds", type=float)
     parser.add_argument("--traffic")
+    parser.add_argument("--endpoint", default=ENDPOINT)
     arguments = parser.parse_args()
     match arguments.role:
         case ["robot", contender]:
-            be_robot(contender, topics_of(arguments.traffic), arguments.seconds)
+            topics = topics_of(arguments.traffic)
+            be_robot(contender, topics, arguments.seconds, arguments.endpoint)
         case ["operator", contender]:
-            be_operator(contender, topics_of(arguments.traffic))
+            be_operator(contender, topics_of(arguments.traffic), arguments.endpoint)
         case ["fleet", count, endpoint]:
             be_fleet(int(count), endpoint)
         case ["router"]:

@@ -14,9 +14,9 @@ from typing import Any
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.toml_text import KeyPath, parse_toml, read_toml_text
-from thin_link.cases import WARM_S, Case, Seen, Target
+from thin_link.cases import WARM_S, Beside, Case, Seen, Target
 from thin_link.emulated_path import PathConditions
-from thin_link.observations import CLOUD, EVENTS, JPEG, LAST_S, OBSERVED, SMALL
+from thin_link.observations import CLOUD, EVENTS, JPEG, LAST_S, OBSERVED, SMALL, judge_fairness
 from thin_link.traffic import Topic
 
 FOLDER = Path(__file__).parent / "scenarios"
@@ -63,14 +63,15 @@ class Scenario:
         """How it begins."""
         return self.course[0][1]
 
-    def case(self) -> Case:
-        """The case of the benchmarks that it is."""
+    def case(self, beside: Beside = Beside.NOTHING) -> Case:
+        """The case of the benchmarks that it is; beside something else it is to be fair to that alone."""
         return Case(
             title=self.title,
             topics=self.topics,
             course=self.course,
             seconds=self.seconds,
-            judge=self.judge,
+            judge=self.judge if beside is Beside.NOTHING else judge_fairness,
+            beside=beside,
         )
 
     def judge(self, seen: Seen) -> list[Target]:
