@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from smarttestudo.domain.errors import TestudoError
-from thin_link.cases import Arrival, Seen
+from thin_link.cases import Arrival, Beside, Seen
 from thin_link.emulated_path import PathConditions
 from thin_link.observations import EVENTS, JPEG, OBSERVED, SMALL
 from thin_link.scenario import Interval, Scenario, load_scenario, scenario_paths
@@ -156,3 +156,10 @@ def test_a_topic_that_never_comes_is_as_stale_as_the_run_is_long() -> None:
     silent = seen(arrived={})
     assert OBSERVED["small_stale_p95_ms"].of(silent) > 9_000
     assert OBSERVED["small_age_p95_ms"].of(silent) == float("inf")
+
+
+def test_beside_something_else_a_robot_is_judged_by_its_share_alone() -> None:
+    case = load_scenario(scenario_paths()["clean"]).case(Beside.FLOW)
+    share, age = case.judge(seen(other_share=0.9))
+    assert (share.wanted, share.is_met) == ("share of what goes beside 0.167 to 0.833", False)
+    assert (age.wanted, age.is_met) == ("small topics, age p95 ms", True)
