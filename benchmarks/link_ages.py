@@ -65,7 +65,7 @@ def run_once(
 
 
 def name_of(case: Case) -> str:
-    """What the processes know a case by."""
+    """The name by which the processes know a case."""
     return next(name for name, one in CASES.items() if one is case)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator sees over radios that lose packets: SmartTestudo's two ends beside what others have.
+"""An operator's view over radios that lose packets: SmartTestudo's two ends beside what others have.
 
 Run it as root with ``python benchmarks/radio_links.py``; a round of all radios takes a quarter of an hour.
 Each file in ``benchmarks/thin_link/scenarios`` is a radio; ``--only`` also takes one of your own. Offered is

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a path does to packets: nothing else than its conditions say."""
+"""A path does to packets what its conditions say, and nothing else."""
 
 from __future__ import annotations
 

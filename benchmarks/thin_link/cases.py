@@ -124,7 +124,7 @@ class Target:
 
 
 class Beside(Enum):
-    """What else the link carries: a TCP flow that takes what it gets, or a second robot with its operator."""
+    """The rest that a link carries: a TCP flow that takes what it gets, or a second robot with its operator."""
 
     NOTHING = "nothing"
     FLOW = "flow"
@@ -144,7 +144,7 @@ class Case:
     takes_minutes: bool = False
 
     def capacity_bytes(self, from_s: float, to_s: float) -> float:
-        """What the link can carry in that time, and does not lose."""
+        """The bytes that the link can carry in that time, and does not lose."""
         ends = [*(at_s for at_s, _ in self.course[1:]), math.inf]
         spans = (
             (max(0.0, min(end_s, to_s) - max(at_s, from_s)), conditions)

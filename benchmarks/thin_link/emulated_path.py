@@ -24,7 +24,7 @@ _Packet = TypeVar("_Packet")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PathConditions:
-    """What a path does to the packets of one direction.
+    """The conditions of a path, which are those of one direction.
 
     Packets wait in a queue of ``queue_bytes``, and what does not fit is dropped. At rate 0 they wait on. Each
     takes ``delay_ms`` give or take up to ``jitter_ms``, and stays behind those before it, but for the share
@@ -70,7 +70,7 @@ class EmulatedPath(Generic[_Packet]):
         self._queue: deque[tuple[_Packet, int]] = deque()
         self._queued_bytes = 0
         self._left_bytes = 0.0
-        """What is still to be sent of the first of the queue, as of ``_from_ns``."""
+        """The bytes still to be sent of the first of the queue, as of ``_from_ns``."""
         self._from_ns = 0.0
         self._under_way: list[tuple[float, int, _Packet, int]] = []
         self._order = itertools.count()

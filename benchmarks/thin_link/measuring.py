@@ -28,7 +28,7 @@ CONTENDERS: Mapping[str, str] = {
 }
 SECOND_ENDPOINT = f"tcp/{OPERATOR_ADDRESS}:7451"
 _GRACE_S = 0.5
-"""What is under way when the robot stops may arrive so much later."""
+"""A message under way when the robot stops may arrive so much later."""
 _TRIPS_OF_GRACE = 6
 
 
@@ -70,7 +70,7 @@ class _Run:
         return (operator, robot) if robot.line() else None
 
     def other(self, opened: ExitStack, beside: Beside) -> _Other | None:
-        """What goes over the link beside them; ``None`` where its ends do not meet."""
+        """The traffic beside them; ``None`` where its ends do not meet."""
         if beside is Beside.NOTHING:
             return _Other()
         if beside is Beside.FLOW:
@@ -109,7 +109,7 @@ def _measure(case: Case, run: _Run) -> Seen | None:
 
 
 class _Other:
-    """What goes over the link beside what is measured: nothing."""
+    """Traffic beside what is measured: none."""
 
     def start(self) -> None:
         """Begin."""
@@ -153,7 +153,7 @@ class _SecondRobot(_Other):
 
 
 def _counts(robot: Process, link: ThinLink) -> dict[str, tuple[int, int]]:
-    """What the robot's end counts once what was under way has had the time to arrive."""
+    """The counts of the robot's end once what was under way has had the time to arrive."""
     time.sleep(_GRACE_S + _TRIPS_OF_GRACE * 2 * link.conditions.delay_ms / 1e3)
     found: dict[str, tuple[int, int]] = robot.ask("count")
     return found

@@ -49,7 +49,7 @@ class Interface:
     addresses: Sequence[str]
 
     def ip(self, *arguments: str) -> str:
-        """What ``ip`` says in its namespace. Raises ``NetworkError``."""
+        """The output of ``ip`` in its namespace. Raises ``NetworkError``."""
         return _run("ip", "-n", self.namespace, *arguments)
 
 

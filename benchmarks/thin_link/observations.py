@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What an operator observes over a radio: small topics, one of which every message matters, large ones."""
+"""Observations of an operator over a radio: small topics, one of which every message matters, large ones."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from thin_link.cases import IMU, ODOM, SCAN, WARM_S, Seen, Target, quantile
 from thin_link.traffic import Topic
 
 LAST_S = 1.0
-"""What was sent later may be under way when a run ends."""
+"""Messages sent later may be under way when a run ends."""
 _SAMPLE_S = 0.01
 TF = Topic(name="/tf", size_bytes=240, hz=30, priority=4, zenoh_priority="DATA_HIGH")
 EVENTS = Topic(
@@ -32,7 +32,7 @@ LARGE = (JPEG, CLOUD)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Observation:
-    """What can be observed of a run: its words in tables, and the number."""
+    """One that can be made of a run: its words in tables, and the number."""
 
     text: str
     of: Callable[[Seen], float]

@@ -17,7 +17,7 @@ from thin_link.traffic import Topic
 
 
 def topics_of(traffic: str) -> Sequence[Topic]:
-    """What the robot sends in the case of that name, or over the radio in that file."""
+    """The topics that the robot sends in the case of that name, or over the radio in that file."""
     if traffic in CASES:
         return CASES[traffic].topics
     return TRAFFIC[traffic] if traffic in TRAFFIC else load_scenario(Path(traffic)).topics

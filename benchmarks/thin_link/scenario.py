@@ -41,7 +41,7 @@ class ScenarioError(TestudoError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Interval:
-    """What is observed should be at least one number and at most the other."""
+    """The least and the most that should be observed."""
 
     least: float
     most: float
@@ -75,7 +75,7 @@ class Scenario:
         )
 
     def judge(self, seen: Seen) -> list[Target]:
-        """What was observed, beside its interval."""
+        """All that was observed, beside its interval."""
         return [
             Target(
                 name=OBSERVED[name].text,
@@ -118,7 +118,7 @@ def scenario_paths() -> dict[str, Path]:
 
 
 def _conditions(table: _Table, before: PathConditions | None) -> PathConditions:
-    """What a table says, and else what held ``before``."""
+    """The conditions that a table names, and else what held ``before``."""
     if before is None:
         before = PathConditions(rate_bits_per_s=table.number("rate_mbit_per_s", 0, 10_000) * 1e6)
     changed = dict[str, Any]()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot publishes: a payload begins with the time at which it was due and its number."""
+"""The messages of a robot: a payload begins with the time at which it was due and its number."""
 
 from __future__ import annotations
 

@@ -104,7 +104,7 @@ class StreamEnds(Ends):
 
 
 def sources_of(scenario: Scenario) -> list[Source]:
-    """What the robot of a scenario publishes."""
+    """The topics of the robot of a scenario."""
     return [
         Source(topic=one.name, size_bytes=one.size_bytes, rate_hz=one.hz, to_s=scenario.seconds)
         for one in scenario.topics
