@@ -124,7 +124,7 @@ class Target:
 
 
 class Beside(Enum):
-    """The rest that a link carries: a TCP flow that takes what it gets, or a second robot with its operator."""
+    """The rest that a link carries: a TCP flow that takes what it gets, or a second robot and operator."""
 
     NOTHING = "nothing"
     FLOW = "flow"
