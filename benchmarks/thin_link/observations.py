@@ -39,8 +39,8 @@ class Observation:
 
 
 def _age_ms(share: float, *topics: Topic) -> Callable[[Seen], float]:
-    """The worst of the topics' ages, of which ``share`` are no greater."""
-    return lambda seen: max(1e3 * quantile(seen.ages_s([one]), share) for one in topics)
+    """The age that ``share`` of the messages of these topics together do not exceed."""
+    return lambda seen: 1e3 * quantile(seen.ages_s(topics), share)
 
 
 def _stale_s(seen: Seen, topic: Topic) -> list[float]:
