@@ -8,10 +8,12 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from thin_link.emulated_path import wire
 from thin_link.network_namespaces import (
     OPERATOR_ADDRESS,
     NetworkError,
@@ -20,9 +22,7 @@ from thin_link.network_namespaces import (
     require_links,
     thin_link,
 )
-from thin_links import link, namespaces
 
-__all__ = ["link"]
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 BITS_PER_S = 4e6
 FLOW_BYTES = 400_000
@@ -53,6 +53,19 @@ except NetworkError as error:
 """
 
 
+@pytest.fixture
+def link(network_namespaces: None) -> Iterator[ThinLink]:
+    """One of this process, gone at the end."""
+    with thin_link(wire(BITS_PER_S)) as made:
+        yield made
+
+
+def namespaces() -> set[str]:
+    """The names of all network namespaces of this machine."""
+    listed = subprocess.run(["ip", "netns", "list"], capture_output=True, text=True, check=True)
+    return {line.split()[0] for line in listed.stdout.splitlines()}
+
+
 def python(namespace: str, code: str) -> subprocess.Popen[str]:
     command = in_namespace(namespace, [sys.executable, "-c", code])
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
@@ -60,7 +73,6 @@ def python(namespace: str, code: str) -> subprocess.Popen[str]:
 
 @pytest.mark.contract
 def test_a_flow_takes_the_link_s_time_and_shows_on_its_counter(link: ThinLink) -> None:
-    link.set_rate(BITS_PER_S)
     before_bytes = link.carried_bytes()
     with python(link.operator, RECEIVE) as receiver:
         assert receiver.stdout is not None
@@ -84,7 +96,7 @@ def test_its_namespaces_go_with_it_also_after_an_error(link: ThinLink) -> None:
     for namespace in (link.robot, link.operator):
         subprocess.run(["ip", "netns", "del", namespace], check=True)
     made: list[str] = []
-    with pytest.raises(KeyboardInterrupt), thin_link() as another:  # noqa: PT012  what is left is the claim
+    with pytest.raises(KeyboardInterrupt), thin_link(wire(BITS_PER_S)) as another:  # noqa: PT012  what is left is the claim
         made += [another.robot, another.operator]
         assert namespaces() >= set(made)
         raise KeyboardInterrupt

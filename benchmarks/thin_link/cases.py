@@ -10,7 +10,7 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from itertools import pairwise
 
-from thin_link.emulated_path import PathConditions
+from thin_link.emulated_path import PathConditions, wire
 from thin_link.traffic import Topic
 
 WARM_S = 2.0
@@ -155,17 +155,9 @@ class Case:
         )
 
 
-_QUEUE_S = 0.4
-
-
 def _mbit(*steps: tuple[float, float]) -> list[tuple[float, PathConditions | None]]:
-    """A link that loses nothing, with a rate in Mbit/s from each time on, and a queue of 400 ms."""
-    return [
-        (at_s, PathConditions(rate_bits_per_s=rate * 1e6, queue_bytes=int(rate * 125_000 * _QUEUE_S)))
-        if rate
-        else (at_s, None)
-        for at_s, rate in steps
-    ]
+    """A link that loses nothing, with a rate in Mbit/s from each time on; 0 is no link."""
+    return [(at_s, wire(rate * 1e6) if rate else None) for at_s, rate in steps]
 
 
 def _judge_thin(seen: Seen) -> list[Target]:

@@ -19,6 +19,7 @@ _NS_PER_MS = 1e6
 _BIT_NS = 8e9
 _LATE_NS = 20e6
 """By up to so much a packet comes later than its turn, if it is out of order or a copy."""
+_QUEUE_S = 0.4
 _Packet = TypeVar("_Packet")
 
 
@@ -42,6 +43,11 @@ class PathConditions:
     duplicated: float = 0.0
     mtu_bytes: int = 1_500
     blocks_udp: bool = False
+
+
+def wire(bits_per_s: float) -> PathConditions:
+    """A path that loses nothing and is as short as it can be, with a queue of 400 ms."""
+    return PathConditions(rate_bits_per_s=bits_per_s, queue_bytes=int(bits_per_s / 8 * _QUEUE_S))
 
 
 @dataclass(slots=True, kw_only=True)

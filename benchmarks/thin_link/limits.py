@@ -17,6 +17,7 @@ from pathlib import Path
 
 from live.processes import Process
 from thin_link.cases import IMAGE, SMALL, Target
+from thin_link.emulated_path import wire
 from thin_link.ends import process, role
 from thin_link.fleet import FLEET_BYTES_PER_S, ROUTER
 from thin_link.network_namespaces import ThinLink, thin_link
@@ -79,7 +80,7 @@ def drive(
 
 def stopped_operator(link: ThinLink) -> list[Target]:
     """``testudo receive`` stopped by SIGSTOP for a quarter of a minute."""
-    link.set_rate(2e6)
+    link.change(wire(2e6))
     with receive(link.operator, "--listen", ENDPOINT) as operator:
         acts = {
             STOP_AT_S: lambda: operator.signal(signal.SIGSTOP),
@@ -90,7 +91,7 @@ def stopped_operator(link: ThinLink) -> list[Target]:
 
 def full_sink(link: ThinLink) -> list[Target]:
     """An operator's end whose events nobody takes from the fifth second on."""
-    link.set_rate(25e6)
+    link.change(wire(25e6))
     with role(link.operator, "stuck") as operator:
         operator.line()
         acts = {STOP_AT_S: lambda: operator.ask("stop")}
@@ -100,7 +101,7 @@ def full_sink(link: ThinLink) -> list[Target]:
 
 def cost(link: ThinLink) -> list[Target]:
     """A robot that sends 1 MB/s, beside the same source without a link."""
-    link.set_rate(25e6)
+    link.change(wire(25e6))
     cpu_s, resident_mb = {}, {}
     before_bytes = link.carried_bytes()
     with receive(link.operator, "--listen", ENDPOINT):
@@ -135,7 +136,7 @@ def routed_fleet(link: ThinLink) -> list[Target]:
 
 
 def _fleet(link: ThinLink, endpoint: str, options: tuple[str, ...], how: str) -> list[Target]:
-    link.set_rate(100e6)
+    link.change(wire(100e6))
     seen = {}
     for count in (1, FLEET):
         with ExitStack() as opened:
@@ -171,5 +172,5 @@ LIMITS: Mapping[str, tuple[str, Callable[[ThinLink], list[Target]]]] = {
 
 def measure_limit(name: str) -> list[Target]:
     """One of them, on a link of its own."""
-    with thin_link() as link:
+    with thin_link(wire(25e6)) as link:
         return LIMITS[name][1](link)

@@ -27,8 +27,6 @@ ROBOT_ADDRESS, OPERATOR_ADDRESS = "10.99.0.1", "10.99.0.2"
 INSIDE_ADDRESS = "192.168.99.1"
 """The robot's own, where a router is before it; others see the one above."""
 ROBOT_ADDRESS_V6, OPERATOR_ADDRESS_V6 = "fd99::1", "fd99::2"
-UNLIMITED = PathConditions(rate_bits_per_s=1e9, queue_bytes=10_000_000)
-QUEUE_S = 0.4
 _DEVICE = "link0"
 _TUN = Path("/dev/net/tun")
 _TUNSETIFF, _IFF_TUN, _IFF_NO_PI = 0x400454CA, 0x0001, 0x1000
@@ -97,11 +95,6 @@ class ThinLink(EmulatedLink):
         """The namespace of the operator."""
         return self.second.namespace
 
-    def set_rate(self, bits_per_s: float) -> None:
-        """Let both directions carry so much from now on, headers included, with a queue of 400 ms."""
-        queue_bytes = int(bits_per_s / 8 * QUEUE_S)
-        self.change(replace(self.conditions, rate_bits_per_s=bits_per_s, queue_bytes=queue_bytes))
-
     def cut(self) -> None:
         """Have the robot's device go down."""
         self.first.ip("link", "set", self.first.device, "down")
@@ -160,7 +153,7 @@ def require_links() -> None:
 
 @contextmanager
 def thin_link(
-    conditions: PathConditions = UNLIMITED, seed: int = 1, *, is_behind_nat: bool = False
+    conditions: PathConditions, seed: int = 1, *, is_behind_nat: bool = False
 ) -> Iterator[ThinLink]:
     """A link with namespaces of its own, which go with it. Raises ``NetworkError``.
 
