@@ -51,8 +51,11 @@ class Interface:
         return _run("ip", "-n", self.namespace, *arguments)
 
 
-class EmulatedLink:
-    """A link between two interfaces, alike in both directions. All methods raise ``NetworkError``."""
+class ThinLink:
+    """A link between the namespaces of robot and operator, alike both ways.
+
+    All methods raise ``NetworkError``.
+    """
 
     def __init__(
         self, first: Interface, second: Interface, emulator: Process, conditions: PathConditions
@@ -61,6 +64,16 @@ class EmulatedLink:
         self.second = second
         self.conditions = conditions
         self._emulator = emulator
+
+    @property
+    def robot(self) -> str:
+        """The namespace of the robot."""
+        return self.first.namespace
+
+    @property
+    def operator(self) -> str:
+        """The namespace of the operator."""
+        return self.second.namespace
 
     def change(self, conditions: PathConditions) -> None:
         """Let other conditions hold from now on, also for packets that wait."""
@@ -74,26 +87,6 @@ class EmulatedLink:
         """The packets so far from the first end to the second, and back."""
         there, back = self._ask("")
         return PathCounts(**there), PathCounts(**back)
-
-    def _ask(self, line: str) -> Any:
-        try:
-            return self._emulator.ask(line)
-        except (OSError, ValueError) as error:
-            raise NetworkError("the emulator of the link has ended", remedy="try again") from error
-
-
-class ThinLink(EmulatedLink):
-    """A link between the namespaces of robot and operator."""
-
-    @property
-    def robot(self) -> str:
-        """The namespace of the robot."""
-        return self.first.namespace
-
-    @property
-    def operator(self) -> str:
-        """The namespace of the operator."""
-        return self.second.namespace
 
     def cut(self) -> None:
         """Have the robot's device go down."""
@@ -130,6 +123,12 @@ class ThinLink(EmulatedLink):
                 remedy="nothing was measured; try again where no other ROS graph runs",
             )
 
+    def _ask(self, line: str) -> Any:
+        try:
+            return self._emulator.ask(line)
+        except (OSError, ValueError) as error:
+            raise NetworkError("the emulator of the link has ended", remedy="try again") from error
+
 
 def in_namespace(namespace: str, command: Sequence[str]) -> list[str]:
     """The command that runs ``command`` in a namespace, as the same process."""
@@ -147,7 +146,7 @@ def require_links() -> None:
     except OSError as error:
         raise NetworkError(
             f"making a link needs {_TUN}: {error.strerror}",
-            remedy="start a container with --privileged, or with --cap-add NET_ADMIN --device /dev/net/tun",
+            remedy="a container must be privileged",
         ) from error
 
 
