@@ -56,8 +56,17 @@ def over_a_link(conditions: PathConditions, load: float) -> tuple[list[int], lis
 
 
 @pytest.mark.calm
-@pytest.mark.parametrize("load", [0.5, 1.5])
-@pytest.mark.parametrize("name", ["clean", "starlink", "4g", "wifi-walls", "severe"])
+@pytest.mark.parametrize(
+    ("name", "load"),
+    [
+        ("clean", 0.5),
+        ("starlink", 1.5),
+        ("4g", 0.5),
+        ("wifi-walls", 0.5),
+        ("wifi-walls", 1.5),
+        ("severe", 0.5),
+    ],
+)
 def test_a_link_agrees_with_its_model_in_loss_rate_and_delay(name: str, load: float) -> None:
     conditions = load_scenario(scenario_paths()[name]).conditions
     sent_ns, found = over_a_link(conditions, load)
