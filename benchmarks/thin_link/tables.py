@@ -87,7 +87,7 @@ def spread(values: Sequence[float], form: str) -> str:
     if not values:
         return "–"
     middle, least, most = (_shown(value, form) for value in (median(values), min(values), max(values)))
-    return middle if len(values) == 1 else f"{middle} ({least} to {most})"
+    return middle if least == most else f"{middle} ({least} to {most})"
 
 
 def _shown(value: float, form: str) -> str:
