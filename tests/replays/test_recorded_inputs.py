@@ -99,8 +99,8 @@ def drive(note: Note) -> list[Decision]:
         recorder.record(given, rules)
         loop.handle(given)
 
-    for given in SOURCES:
-        take(given)
+    for source in SOURCES:
+        take(source)
     decode, channel = RosbagDecoder().decode, Channel(topic="/tb3/odom", type_name=ODOM.type_name)
     for now_ns in range(0, 10_000 * MS, 40 * MS):
         while (wake_ns := loop.next_wake_ns) is not None and wake_ns <= now_ns:

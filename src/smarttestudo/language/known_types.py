@@ -12,7 +12,7 @@ from types import MappingProxyType
 from smarttestudo.domain.names import full_type_name, is_own_output, short_type_name
 from smarttestudo.domain.signal import Value
 from smarttestudo.domain.type_definition import FieldType, TypeDefinition
-from smarttestudo.language.properties.table import conventional_types
+from smarttestudo.language.properties.types_by_name import conventional_types
 from smarttestudo.language.standard_types import STANDARD_TYPES
 from smarttestudo.language.syntax import Constant
 from smarttestudo.language.topic_pattern import matching

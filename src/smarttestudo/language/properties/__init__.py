@@ -8,9 +8,7 @@ from smarttestudo.language.properties.field_path import PropertySpec, Reader, is
 from smarttestudo.language.properties.signal_readers import SignalReader, reads_element, signal_reader
 from smarttestudo.language.properties.table import (
     ARRIVAL_PROPERTIES,
-    SOURCE_MEANINGS,
     accuracy_properties_of,
-    conventional_types,
     known_types,
     message_type,
     properties_for_bounds,
@@ -18,6 +16,8 @@ from smarttestudo.language.properties.table import (
     property_spec,
     value_reader,
 )
+from smarttestudo.language.properties.types_by_name import conventional_types
+from smarttestudo.language.properties.vitals import SOURCE_MEANINGS
 
 __all__ = [
     "ARRIVAL_PROPERTIES",

@@ -12,7 +12,7 @@ from operator import attrgetter
 from types import MappingProxyType
 from typing import Any
 
-from smarttestudo.domain.names import LINK, MACHINE, is_source
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.language.properties import readers
 from smarttestudo.language.properties.distances import JOINT_POSITION, ORIENTATION, POSITION
@@ -23,6 +23,7 @@ from smarttestudo.language.properties.field_path import (
     field_reader,
     number,
 )
+from smarttestudo.language.properties.vitals import VITALS
 from smarttestudo.pacing.reckoning.gauges import (
     PLACE_DISTANCE,
     Distance,
@@ -33,43 +34,6 @@ from smarttestudo.pacing.reckoning.gauges import (
     PoseGauge,
 )
 from smarttestudo.pacing.reckoning.motion import Rotation, SpatialPose, Twist, Vector3
-
-_CONVENTIONAL_TYPES: Mapping[str, tuple[str, ...]] = MappingProxyType(
-    {
-        "_action/status": ("action_msgs/msg/GoalStatusArray",),
-        "amcl_pose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
-        "battery_state": ("sensor_msgs/msg/BatteryState",),
-        "camera_info": ("sensor_msgs/msg/CameraInfo",),
-        "cmd_vel": ("geometry_msgs/msg/Twist", "geometry_msgs/msg/TwistStamped"),
-        "diagnostics": ("diagnostic_msgs/msg/DiagnosticArray",),
-        "diagnostics_agg": ("diagnostic_msgs/msg/DiagnosticArray",),
-        "fix": ("sensor_msgs/msg/NavSatFix",),
-        "goal_pose": ("geometry_msgs/msg/PoseStamped",),
-        "image_raw": ("sensor_msgs/msg/Image",),
-        "image_raw/compressed": ("sensor_msgs/msg/CompressedImage",),
-        "imu": ("sensor_msgs/msg/Imu",),
-        "imu/data": ("sensor_msgs/msg/Imu",),
-        "imu/data_raw": ("sensor_msgs/msg/Imu",),
-        "initialpose": ("geometry_msgs/msg/PoseWithCovarianceStamped",),
-        "joint_states": ("sensor_msgs/msg/JointState",),
-        "odom": ("nav_msgs/msg/Odometry",),
-        "odometry/filtered": ("nav_msgs/msg/Odometry",),
-        "rosout": ("rcl_interfaces/msg/Log",),
-        "scan": ("sensor_msgs/msg/LaserScan",),
-        "tf": ("tf2_msgs/msg/TFMessage",),
-        "tf_static": ("tf2_msgs/msg/TFMessage",),
-        "transition_event": ("lifecycle_msgs/msg/TransitionEvent",),
-    }
-)
-"""By the end of the name; the likeliest type first."""
-_MOST_PARTS = max(name.count("/") + 1 for name in _CONVENTIONAL_TYPES)
-
-
-def conventional_types(topic: str) -> tuple[str, ...]:
-    """The types that ``topic`` may be expected to have by its name, in whatever namespace; a guess."""
-    parts = topic.split("/")
-    ends = ("/".join(parts[-count:]) for count in range(_MOST_PARTS, 0, -1))
-    return next((_CONVENTIONAL_TYPES[end] for end in ends if end in _CONVENTIONAL_TYPES), ())
 
 
 class MessagePart(Enum):
@@ -371,70 +335,6 @@ ARRIVAL_PROPERTIES: Mapping[str, PropertySpec] = MappingProxyType(
 """Properties of every topic, for checks alone; they need nothing decoded and are never unknown."""
 
 
-SOURCE_MEANINGS: Mapping[str, str] = MappingProxyType(
-    {MACHINE: "the robot's computer", LINK: "the link to the operators"}
-)
-"""What checks can name in the place of a topic."""
-
-
-def _vitals(*specs: PropertySpec) -> Mapping[str, PropertySpec]:
-    return MappingProxyType({spec.name: spec for spec in specs})
-
-
-_VITALS: Mapping[str, Mapping[str, PropertySpec]] = MappingProxyType(
-    {
-        MACHINE: _vitals(
-            PropertySpec(
-                name="cpu", unit="%", meaning="share of all cores that is busy", minimum=0.0, maximum=100.0
-            ),
-            PropertySpec(
-                name="memory", unit="%", meaning="share of the memory in use", minimum=0.0, maximum=100.0
-            ),
-            PropertySpec(
-                name="temperature", unit="°C", meaning="hottest sensor", minimum=-60.0, maximum=125.0
-            ),
-            PropertySpec(
-                name="disk_free",
-                unit="GB",
-                meaning="free on the disk of --incidents, else of the working folder",
-                minimum=0.0,
-            ),
-            PropertySpec(
-                name="wifi_signal", unit="dBm", meaning="strongest Wi-Fi signal", minimum=-150.0, maximum=0.0
-            ),
-        ),
-        LINK: _vitals(
-            PropertySpec(
-                name="capacity",
-                unit="KB/s",
-                meaning="bandwidth that the link carries, where it is the limit",
-                minimum=0.0,
-            ),
-            PropertySpec(
-                name="round_trip", unit="ms", meaning="least round trip of the last 10 s", minimum=0.0
-            ),
-            PropertySpec(
-                name="used", unit="%", meaning="share of the capacity in use", minimum=0.0, maximum=100.0
-            ),
-            PropertySpec(
-                name="connected",
-                unit="",
-                meaning="true while an operator is there, else false",
-                minimum=0.0,
-                maximum=1.0,
-            ),
-            PropertySpec(
-                name="age",
-                unit="s",
-                meaning="time since anything arrived at the operator, or since the start",
-                minimum=0.0,
-            ),
-        ),
-    }
-)
-"""What checks read of the machine and the link, which are like types of their own."""
-
-
 def message_type(type_name: str) -> MessageType:
     """The declared properties of ``type_name``, none of a type that is not in the table."""
     return _TYPES.get(type_name, _NO_PROPERTIES)
@@ -451,7 +351,7 @@ def properties_of(type_name: str) -> Mapping[str, PropertySpec]:
     Those of the machine and the link are named by what stands for the topic.
     """
     if is_source(type_name):
-        return _VITALS.get(type_name, {})
+        return VITALS.get(type_name, {})
     return {declared.spec.name: declared.spec for declared in message_type(type_name).values}
 
 
