@@ -55,7 +55,7 @@ export class NumberField extends Blockly.FieldNumber {
   }
 
   /** Says below the field why its text is not taken. */
-  private say(input: HTMLInputElement): void {
+  protected say(input: HTMLInputElement): void {
     const note = this.problem(input.value);
     if (note === "" && this.popup === null) return;
     this.below(input).say(note, true);
@@ -156,6 +156,11 @@ export class ComparedField extends NumberField implements QuietField {
 
   protected override problem(text: string): string {
     return this.choices() === null ? super.problem(text) : comparedProblem(text);
+  }
+
+  protected override say(input: HTMLInputElement): void {
+    // The list says it itself.
+    if (this.picker === null) super.say(input);
   }
 
   private choices(): readonly PickerChoice[] | null {
