@@ -33,6 +33,12 @@ export interface Age {
   unseen_s: number;
 }
 
+/** What rules may set and call by the profile: the parameters of each node, and services. */
+export interface Allowed {
+  parameters: Record<string, string[]>;
+  calls: string[];
+}
+
 /** All terms hold; at least one term. */
 export interface AndCondition {
   kind: "and";
@@ -2061,6 +2067,7 @@ export interface Vocabulary {
   topics: KnownTopic[];
   every_topic: Property[];
   vitals: KnownVitals[];
+  allowed: Allowed;
 }
 
 /** The texts that an editor has open. */

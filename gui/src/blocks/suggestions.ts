@@ -7,7 +7,7 @@ import type { Trial } from "../state/trial";
 import { hz, readable, valueText } from "../ui/numbers";
 import type { PickerChoice } from "../ui/picker";
 import { quoted } from "./compared";
-import type { Suggestions } from "./fields";
+import type { Allowed, Suggestions } from "./fields";
 import { readChecks } from "./live_states";
 
 /** What is said beside a topic that a running robot publishes. */
@@ -55,7 +55,8 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
       const found = all.find((each) => each.name === name) ?? all.find((each) => each.name === anyElement(name));
       return wordChoices(now, topic, name, found);
     },
-    allowed: () => [],
+    allowed: (what) =>
+      allowedWords(vocabulary.value?.allowed, what).map((word) => ({ word, note: "allowed to rules" })),
     bounds: (topic) => bounds(vocabulary.value, topic).map(choice(topic)),
     rates: (topic) => [
       { word: "Full", aside: "every message" },
@@ -117,6 +118,17 @@ function wordChoices(now: KnownNow, topic: string, name: string, property?: Prop
 /** The path of a field of any element, where a path says of which. */
 function anyElement(path: string): string {
   return path.replace(/\[(?:"(?:[^"\\]|\\.)*"|-?\d+)\]/g, "[*]");
+}
+
+function allowedWords(allowed: Vocabulary["allowed"] | undefined, what: Allowed): readonly string[] {
+  switch (what.kind) {
+    case "node":
+      return Object.keys(allowed?.parameters ?? {});
+    case "parameter":
+      return allowed?.parameters[what.node] ?? [];
+    case "service":
+      return allowed?.calls ?? [];
+  }
 }
 
 function isOf(check: { topic: string; property: string }, topic: string, property: string): boolean {

@@ -10,7 +10,7 @@ import { type RateRing, RING_LENGTH, type RobotLink } from "../state/robot_link"
 import { duration, linkWords } from "../state/robot_trouble";
 import { ColumnHeads } from "../ui/data_table";
 import { useAnswer } from "../ui/later";
-import { clock, fixed, readable } from "../ui/numbers";
+import { clock, fixed, NS_PER_MS, readable } from "../ui/numbers";
 
 /** Every relayed topic of a robot as it is now. */
 export function RobotTopics({ link, live: { status, health, bounds } }: { link: RobotLink; live: Live }) {
@@ -123,6 +123,14 @@ export function RobotTotals({ live: { status, status_kb_per_s, accepted, recordi
           <meter min={0} max={1} value={Math.min(sent / budget, 1)} aria-label="Sent: share of the budget" />
         )}
       </div>
+      {(status.notices ?? []).map(({ text, rule, since_ns }) => (
+        <Figure
+          key={`${rule} ${text}`}
+          name={rule ?? "A rule says"}
+          value={`“${text}” since ${clock(since_ns / NS_PER_MS)}`}
+          isTroubled
+        />
+      ))}
       {status.link && <Figure name="Link" value={linkWords(status.link)} />}
       {Object.entries(status.accepted ?? {}).map(([topic, { problem }], place) => (
         <Figure key={topic} name={`Accepts ${topic}`} value={accepted[place] ?? ""} isTroubled={problem !== null} />

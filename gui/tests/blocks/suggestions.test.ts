@@ -12,6 +12,7 @@ const POSITION = { name: "position", unit: "m", meaning: "where it is", ...NUMBE
 const AGE = { name: "age", unit: "s", meaning: "since the last message", ...NUMBER };
 const USED = { name: "used", unit: "%", meaning: "share of the capacity in use", ...NUMBER };
 const LINK = { name: "@link", meaning: "the link to the operators", properties: [USED] };
+const ALLOWED = { parameters: { "/controller": ["max_speed"] }, calls: ["/light"] };
 const ODOM: KnownTopic = {
   topic: "/odom",
   type: "nav_msgs/msg/Odometry",
@@ -29,7 +30,12 @@ function wordsOf(vocabulary: Signal<Vocabulary | null>) {
 }
 
 function known(topic: Partial<KnownTopic> = {}) {
-  const vocabulary = signal<Vocabulary | null>({ topics: [{ ...ODOM, ...topic }], every_topic: [AGE], vitals: [LINK] });
+  const vocabulary = signal<Vocabulary | null>({
+    topics: [{ ...ODOM, ...topic }],
+    every_topic: [AGE],
+    vitals: [LINK],
+    allowed: ALLOWED,
+  });
   const live = signal<Live | null>(null);
   const tried = signal<Trial | null>(null);
   const fields = signal<RecordedField[]>([]);
@@ -70,7 +76,12 @@ test("what is suggested grows when a robot's topics come later", () => {
       words(suggestions.bounds("/odom")),
     ]);
   });
-  vocabulary.value = { topics: [{ ...ODOM, is_published: true }], every_topic: [AGE], vitals: [LINK] };
+  vocabulary.value = {
+    topics: [{ ...ODOM, is_published: true }],
+    every_topic: [AGE],
+    vitals: [LINK],
+    allowed: ALLOWED,
+  };
   stop();
   expect(shown).toEqual([
     [[], [], []],
@@ -172,4 +183,12 @@ test("topics of a kind are those below a name and those that end alike", () => {
     ["/**/image", "3 topics now"],
     ["/camera/**", "2 topics now"],
   ]);
+});
+
+test("an action names what the topic parameters allow", () => {
+  const { suggestions } = known();
+  expect(words(suggestions.allowed({ kind: "node" }))).toEqual(["/controller"]);
+  expect(words(suggestions.allowed({ kind: "parameter", node: "/controller" }))).toEqual(["max_speed"]);
+  expect(words(suggestions.allowed({ kind: "parameter", node: "/other" }))).toEqual([]);
+  expect(words(suggestions.allowed({ kind: "service" }))).toEqual(["/light"]);
 });

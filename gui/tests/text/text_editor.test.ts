@@ -24,6 +24,7 @@ const VOCABULARY: Vocabulary = {
   ],
   every_topic: [property("age")],
   vitals: [{ name: "@link", meaning: "the link to the operators", properties: [property("used"), property("age")] }],
+  allowed: { parameters: {}, calls: [] },
 };
 
 test.each([

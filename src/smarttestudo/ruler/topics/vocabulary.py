@@ -84,6 +84,13 @@ class KnownVitals(Struct, frozen=True, kw_only=True):
     properties: tuple[Property, ...]
 
 
+class Allowed(Struct, frozen=True, kw_only=True):
+    """What rules may set and call by the profile: the parameters of each node, and services."""
+
+    parameters: Mapping[str, tuple[str, ...]]
+    calls: tuple[str, ...]
+
+
 class VocabularyRequest(Struct, frozen=True, kw_only=True):
     """The texts that an editor has open."""
 
@@ -100,6 +107,7 @@ class Vocabulary(Struct, frozen=True, kw_only=True):
     topics: tuple[KnownTopic, ...]
     every_topic: tuple[Property, ...]
     vitals: tuple[KnownVitals, ...]
+    allowed: Allowed
 
 
 DEFAULT_USER = "default"
@@ -135,7 +143,14 @@ def vocabulary(request: VocabularyRequest, robot_topics: RobotTopics) -> Vocabul
             )
             for name, meaning in SOURCE_MEANINGS.items()
         ),
+        allowed=_allowed(profile or Profile()),
     )
+
+
+def _allowed(profile: Profile) -> Allowed:
+    nodes = sorted(profile.allow_parameters.items())
+    parameters = {node: tuple(sorted(names)) for node, names in nodes}
+    return Allowed(parameters=parameters, calls=tuple(sorted(profile.allow_calls)))
 
 
 def _known_topics(
