@@ -5,11 +5,10 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Hashable, Iterable, Iterator
+from collections.abc import Hashable, Iterator
 from dataclasses import replace
-from typing import NamedTuple
 
-from smarttestudo.domain.link import LinkNeeds, MessageOrigin, MissedMessage, StreamCounts
+from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamCounts
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.chunks import (
     CONTROL_STREAM,
@@ -19,6 +18,7 @@ from smarttestudo.link.protocol.chunks import (
     Acknowledgement,
     Chunk,
 )
+from smarttestudo.link.protocol.fates import Fates
 from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
 from smarttestudo.pacing.coded_video import VideoFrame, VideoGroup
 
@@ -28,21 +28,10 @@ PATIENCE_NS = NS_PER_S // 10
 """For how long none gives way to another after nothing waited: a link that carries all is late at times."""
 MAX_PATIENT_BYTES = 16_000_000
 """The size of all messages of a stream that wait so."""
-MAX_GIVEN_UP_BYTES = 16_000_000
-"""The size of all messages kept that gave way, until something arrives; the oldest beyond it are missed."""
 VIDEO_PATIENCE_NS = NS_PER_S // 2
 """For how long a frame of coded video waits until its group ends with the last one before the next."""
 MAX_WAITING = 1024
 """How many messages of one stream may wait at once, those of a topic that is sent whole apart."""
-MAX_UNSETTLED_BYTES = 16_000_000
-"""The size of all messages of ended sessions of which it is not known whether they arrived."""
-
-
-class _EndedSession(NamedTuple):
-    """Messages that were under way as a session ended, each after where it ended."""
-
-    number: int
-    messages: list[tuple[int, OutgoingMessage]]
 
 
 class Outbox:
@@ -54,28 +43,18 @@ class Outbox:
 
     Of coded video a key frame replaces all that waits. Other frames wait behind each other; where one would
     wait too long or overflow, it and the others of its group give way, and those before it are sent.
-
-    What gives way while nothing arrives at the other end is ``missed`` there, and so is what was under way
-    as a session ended and had not arrived by then, as the other end says in the next (``settle``).
+    What becomes of messages that are not sent is in ``fates``.
     """
 
     def __init__(self, encode: Encode) -> None:
         self._encode = encode
         self._streams: dict[int, OutgoingStream] = {}
         self._active: dict[int, OutgoingStream] = {}
-        self._had_session = False
+        self.fates = Fates()
         self._waits_since_ns = 0
         """Since when something waits."""
-        self.missed: deque[MissedMessage] = deque()
-        """Missed messages with an origin, to be taken from here."""
         self._under_way: deque[tuple[int, OutgoingMessage]] = deque()
         """Messages that were sent whole, and are kept or have an origin, each after where it ended."""
-        self._ended: deque[_EndedSession] = deque()
-        self._ended_bytes = 0
-        self._given_up: deque[OutgoingMessage] = deque()
-        self._given_up_bytes = 0
-        self._is_cut = False
-        self._waited_before_ns = 0
         self._sent_bytes = self._acknowledged_bytes = 0
 
     def open(self, stream: int, *, depth: int | None = None) -> None:
@@ -89,7 +68,7 @@ class Outbox:
 
     def is_drained(self, stream: int) -> bool:
         """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
-        return not self._had_session or not (
+        return not self.fates.had_session or not (
             self._streams[stream].has_work
             or any(sent.stream == stream and sent.is_kept for _, sent in self._under_way)
         )
@@ -99,8 +78,8 @@ class Outbox:
         closed = self._streams.pop(stream)
         self._active.pop(stream, None)
         waiting = [*closed.waiting]
-        closed.overflowed += len(waiting) if self._had_session else 0
-        self._give_up(*waiting)
+        closed.overflowed += len(waiting) if self.fates.had_session else 0
+        self.fates.give_up(*waiting)
         for _, message in self._under_way:
             # It arrives, or is lost.
             message.is_kept &= message.stream != stream
@@ -133,7 +112,8 @@ class Outbox:
         message = OutgoingMessage(stream, number, payload, now_ns, is_kept, lane, origin)
         if open_stream.latched is not None:
             open_stream.latched.append(message)
-        is_patient = self._had_session and not self._is_cut and now_ns - self._waits_since_ns <= PATIENCE_NS
+        waits_ns = now_ns - self._waits_since_ns
+        is_patient = self.fates.had_session and not self.fates.is_cut and waits_ns <= PATIENCE_NS
         most_bytes = MAX_PATIENT_BYTES if is_patient else MAX_QUEUED_BYTES
         if frame is not None or open_stream.video is not None:
             self._put_frame(open_stream, message, frame, most_bytes)
@@ -186,46 +166,24 @@ class Outbox:
             if message.is_kept or received.has(end_bytes):
                 message.origin = None
             else:
-                self._miss(message)
+                self.fates.miss(message)
         if self._acknowledged_bytes < total_bytes or total_bytes == self._sent_bytes:
-            self._acknowledged_bytes, self._is_cut = total_bytes, False
-            self._given_up.clear()
-            self._given_up_bytes = 0
-
-    def cut(self) -> None:
-        """Count as missed what gave way since the last acknowledgement, and what does until the next."""
-        if self._had_session:
-            self._is_cut = True
-            self._miss_given_up()
+            self._acknowledged_bytes = total_bytes
+            self.fates.on_arrival()
 
     def give_up_all(self) -> None:
         for stream in self._streams.values():
-            self._give_up(*stream.waiting)
-        self._give_up(*(message for _, message in self._under_way))
-
-    def settle(self, session: int, ended: Iterable[Acknowledgement]) -> None:
-        """The other end is in ``session``; of those before it has what ``ended`` says, of others nothing."""
-        arrived = {one.session: one for one in ended}
-        while self._ended and self._ended[0].number < session:
-            self._settle_first(arrived.get(self._ended[0].number))
-
-    def settle_all(self) -> None:
-        """Count all of ended sessions as lost: no report of them will come."""
-        while self._ended:
-            self._settle_first(None)
-
-    @property
-    def is_settled(self) -> bool:
-        """Whether it is known what arrived of ended sessions."""
-        return not self._ended
+            self.fates.give_up(*stream.waiting)
+        self.fates.give_up(*(message for _, message in self._under_way))
 
     def restart(self, ended: int, now_ns: int) -> None:
         """Session ``ended`` is over: latched messages go again, and kept ones that may not have arrived."""
-        self._miss_given_up()
-        again = self._end_session(ended)
-        # What waited in the outage, and gives way because so much did, was missed as well.
-        self._waited_before_ns = now_ns if self._had_session else 0
-        self._had_session, self._is_cut = True, False
+        again: dict[int, list[OutgoingMessage]] = {}
+        for _, message in self._under_way:
+            if message.is_kept:
+                again.setdefault(message.stream, []).append(message)
+        self.fates.end_session(ended, [(((end,),), message) for end, message in self._under_way], now_ns)
+        self._under_way.clear()
         self._sent_bytes = self._acknowledged_bytes = 0
         for stream in self._streams.values():
             self._restart(stream, again.get(stream.number, []))
@@ -295,17 +253,17 @@ class Outbox:
             self._overflow(stream, message, message.offered_ns)
         else:
             stream.replaced += 1
-            self._give_up(message)
+            self.fates.give_up(message)
 
     def _overflow(self, stream: OutgoingStream, message: OutgoingMessage, now_ns: int) -> None:
-        self._give_up(message)
-        if self._had_session:
+        self.fates.give_up(message)
+        if self.fates.had_session:
             stream.overflowed += 1
             stream.overflowed_ns = now_ns
 
     def _give_way(self, stream: OutgoingStream, number: int) -> None:
         stream.replaced += 1
-        self._give_up(stream.take_slot(number))
+        self.fates.give_up(stream.take_slot(number))
 
     def _finish(self, stream: OutgoingStream, message: OutgoingMessage) -> None:
         stream.begun, stream.is_floor_begun = None, False
@@ -314,33 +272,6 @@ class Outbox:
             self._under_way.append((self._sent_bytes, message))
         if not stream.has_work:
             del self._active[stream.number]
-
-    def _end_session(self, number: int) -> dict[int, list[OutgoingMessage]]:
-        """Wait for word of what was under way; returns what of it is to be sent again, by stream."""
-        again: dict[int, list[OutgoingMessage]] = {}
-        ended = _EndedSession(number, [])
-        for end_bytes, message in self._under_way:
-            if message.origin is not None:
-                ended.messages.append((end_bytes, message))
-                message.unsettled += 1
-                self._ended_bytes += len(message.payload)
-            if message.is_kept:
-                again.setdefault(message.stream, []).append(message)
-        self._under_way.clear()
-        if ended.messages:
-            self._ended.append(ended)
-        while self._ended_bytes > MAX_UNSETTLED_BYTES:
-            self._settle_first(None)
-        return again
-
-    def _settle_first(self, arrived: Acknowledgement | None) -> None:
-        for end_bytes, message in self._ended.popleft().messages:
-            self._ended_bytes -= len(message.payload)
-            message.unsettled -= 1
-            if arrived is not None and arrived.has(end_bytes):
-                message.origin = None
-            elif not message.is_kept:
-                self._miss(message)
 
     def _restart(self, stream: OutgoingStream, again: list[OutgoingMessage]) -> None:
         begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
@@ -352,7 +283,7 @@ class Outbox:
         else:
             self._restart_video(stream, stream.video, begun)
         if stream.latched is not None:
-            self._miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
+            self.fates.miss(*(one for one in (*again, *stream.queue) if one not in stream.latched))
             again, stream.queue, stream.queued_bytes = list(stream.latched), deque(), 0
         for message in reversed(again):
             # A latched message may be under way and wait to be sent once more.
@@ -364,7 +295,7 @@ class Outbox:
     def _restart_slots(self, stream: OutgoingStream, begun: OutgoingMessage | None) -> None:
         if begun is not None and begun.lane in stream.lanes:
             stream.replaced += 1
-            self._miss(begun)
+            self.fates.miss(begun)
         elif begun is not None:
             waiting, stream.slots = stream.slots, {}
             stream.put_slot(begun)
@@ -387,34 +318,6 @@ class Outbox:
             stream.put_slot(message)
         # Frames of a topic that is sent whole all go again.
         group.is_broken |= not stream.slots and not stream.needs.is_full
-
-    def _give_up(self, *messages: OutgoingMessage) -> None:
-        """Count messages that are not sent, or not known to arrive, as given up."""
-        for message in messages:
-            if message.origin is None or not self._had_session:
-                continue
-            if self._is_cut or message.offered_ns < self._waited_before_ns:
-                self._miss(message)
-                continue
-            self._given_up.append(message)
-            self._given_up_bytes += len(message.payload)
-        self._miss_given_up(MAX_GIVEN_UP_BYTES)
-
-    def _miss_given_up(self, most_bytes: int = -1) -> None:
-        """The oldest beyond so many bytes were missed, or all."""
-        while self._given_up and self._given_up_bytes > most_bytes:
-            message = self._given_up.popleft()
-            self._given_up_bytes -= len(message.payload)
-            self._miss(message)
-
-    def _miss(self, *messages: OutgoingMessage) -> None:
-        for message in messages:
-            if message.unsettled:
-                # It may have arrived; it is not sent again.
-                message.is_kept = False
-            elif message.origin is not None:
-                self.missed.append(MissedMessage(origin=message.origin, payload=message.payload))
-                message.origin = None
 
 
 def _rank(stream: OutgoingStream, now_ns: int) -> tuple[bool, bool, float, int, int]:

@@ -197,7 +197,7 @@ class LinkSender(Generic[_Request]):
         A message that has an ``origin`` is kept where an operator's end misses it.
         """
         if not self.is_connected(now_ns):
-            self._outbox.cut()
+            self._outbox.fates.cut()
         if stream in self._infos and stream not in self._ending:
             video = self._video.get(stream)
             frame = None if video is None else video.frame(payload)
@@ -206,17 +206,17 @@ class LinkSender(Generic[_Request]):
     def take_missed(self, now_ns: int, *, is_last: bool = False) -> list[MissedMessage]:
         """The messages missed since the last call; if it ``is_last``, what waits for nobody, too."""
         if is_last:
-            self._outbox.settle_all()
+            self._outbox.fates.settle_all()
         if is_last and not self.is_connected(now_ns):
             self._outbox.give_up_all()
-            self._outbox.cut()
-        missed = self._outbox.missed
+            self._outbox.fates.cut()
+        missed = self._outbox.fates.missed
         return [missed.popleft() for _ in range(len(missed))]
 
     @property
     def is_settled(self) -> bool:
         """Whether it is known of what former sessions carried whether it arrived."""
-        return self._outbox.is_settled
+        return self._outbox.fates.is_settled
 
     def handle_report(self, report: Report, now_ns: int) -> None:
         """An operator's end says what it has."""
@@ -240,7 +240,7 @@ class LinkSender(Generic[_Request]):
         """The operator's end is gone; the next that reports gets a new session."""
         self._receiver = self.scheduler.open_until_ns = None
         self._receivers = Receivers(LOST_AFTER_NS)
-        self._outbox.cut()
+        self._outbox.fates.cut()
 
     def state(self, now_ns: int) -> LinkState:
         window = self.scheduler.window
@@ -274,7 +274,7 @@ class LinkSender(Generic[_Request]):
         must_restart = report.receiver != self._receiver or received.session == 0
         is_served = report.receiver == self._served_receiver
         if is_served:
-            self._outbox.settle(received.session, report.ended)
+            self._outbox.fates.settle(received.session, report.ended)
         if must_restart and is_served:
             self._learn_of_cut(received, now_ns)
         self._receiver = self._served_receiver = report.receiver
@@ -286,7 +286,7 @@ class LinkSender(Generic[_Request]):
         elif must_restart or self._acknowledge(received, now_ns):
             self._restart(now_ns)
         if not is_served:
-            self._outbox.settle_all()
+            self._outbox.fates.settle_all()
         for number, age_ms in report.ages_ms.items():
             info = self._infos.get(number)
             if info is not None:
@@ -328,7 +328,7 @@ class LinkSender(Generic[_Request]):
         """The receiver has so much of this session; whether another is to begin: the rest is lost."""
         is_stalled = self.scheduler.is_stalled(now_ns)
         if is_stalled:
-            self._outbox.cut()
+            self._outbox.fates.cut()
         before_bytes = self.scheduler.window.acknowledged_bytes
         self.scheduler.acknowledge(received, now_ns)
         if self.scheduler.window.acknowledged_bytes > before_bytes:
