@@ -25,6 +25,9 @@ class StreamCounts:
     ``overflowed`` were dropped because the queue of the topic was full, or waited for publishers that are
     gone, of which there were too many, once an operator's end had been there; where it ``is_losing``, some of
     these within the last minute. ``queued_bytes`` wait now.
+
+    Of those that went as datagrams, ``repaired`` ones arrived because lost parts of them were sent again.
+    Others were lost: of ``lost_replaced`` a newer one was sent or had arrived, ``lost_late`` were too late.
     """
 
     sent: Annotated[
@@ -55,6 +58,33 @@ class StreamCounts:
         Count, Metered("topic_link_queued", "bytes", "What waits for the link of the topic.")
     ] = 0
     is_losing: Annotated[bool, JsonEntry(name="losing")] = False
+    repaired: Annotated[
+        Count,
+        Metered(
+            "topic_link_repaired",
+            "messages",
+            "Messages that arrived because lost parts of them were sent again.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    lost_replaced: Annotated[
+        Count,
+        Metered(
+            "topic_link_lost_replaced",
+            "messages",
+            "Messages that the radio lost, and newer ones went before them.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+    lost_late: Annotated[
+        Count,
+        Metered(
+            "topic_link_lost_late",
+            "messages",
+            "Messages that the radio lost, and were too late to be sent again.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
 
     def __add__(self, other: StreamCounts) -> StreamCounts:
         return StreamCounts(
@@ -63,6 +93,9 @@ class StreamCounts:
             overflowed=self.overflowed + other.overflowed,
             queued_bytes=self.queued_bytes + other.queued_bytes,
             is_losing=self.is_losing or other.is_losing,
+            repaired=self.repaired + other.repaired,
+            lost_replaced=self.lost_replaced + other.lost_replaced,
+            lost_late=self.lost_late + other.lost_late,
         )
 
 
@@ -72,7 +105,8 @@ class LinkState:
 
     ``capacity_kb_per_s`` is what the link carries, ``round_trip_ms`` the least of the last seconds,
     ``outages`` how often nothing arrived at the operator's end for more than a second and four round trips,
-    whether its connection was cut or it was started anew. ``sessions`` counts how often an operator's end
+    whether its connection was cut or it was started anew. Where it goes ``by_datagrams``, ``lost_percent`` of
+    them were lost in the last minute. ``sessions`` counts how often an operator's end
     joined that may lack what was sent before. All operator's ends that are there reckon the topics in
     ``predicted`` where they are told how; ``operators`` are their numbers. ``sent_bytes`` were put on the
     link since the start; for ``silent_s`` nothing of them is known to have arrived at an operator's end.
@@ -100,6 +134,15 @@ class LinkState:
             MetricKind.COUNTER,
         ),
     ] = 0
+    by_datagrams: Annotated[
+        bool,
+        JsonEntry(name="datagrams"),
+        Metered("link_datagrams", "", "1 if what is relayed goes as datagrams, else 0."),
+    ] = False
+    lost_percent: Annotated[
+        Measured | None,
+        Metered("link_lost", "ratio", "The share of datagrams that were lost in the last minute."),
+    ] = None
     sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
     predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
     operators: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()

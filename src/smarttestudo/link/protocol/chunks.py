@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import struct
+from bisect import bisect
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,8 +29,12 @@ CONTROL_STREAM = 0
 _HEADER = struct.Struct(f"<{HEAD_BYTES}sHIIIIIqq")
 HEADER_BYTES = _HEADER.size
 _FRAME = frame(Kind.CHUNK, b"")
+_PLACE = struct.Struct("<I")
+MOST_HEADER_BYTES = HEADER_BYTES + _PLACE.size
 _COMPRESSED = MAX_STREAMS
 _KEPT = 2 * MAX_STREAMS
+_PLACED = 4 * MAX_STREAMS
+_IN_ORDER = 8 * MAX_STREAMS
 
 
 class Chunk(NamedTuple):
@@ -39,6 +44,9 @@ class Chunk(NamedTuple):
     before, modulo ``SESSION_OFFSETS``, and ``number`` the messages of the stream. The times are the robot's
     clock: when the loop relayed the message, and when the chunk was sent. A message that ``is_kept`` is never
     too old to be delivered.
+
+    In a session by datagrams, ``before`` messages of the stream that arrive in order are delivered before
+    this one, which may be one of them (``is_in_order``).
     """
 
     session: int
@@ -52,12 +60,15 @@ class Chunk(NamedTuple):
     is_compressed: bool
     is_kept: bool
     body: bytes
+    before: int = 0
+    is_in_order: bool = False
 
     def to_bytes(self) -> bytes:
-        flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept
+        flags = _COMPRESSED * self.is_compressed | _KEPT * self.is_kept | _IN_ORDER * self.is_in_order
+        is_placed = self.is_in_order or self.before > 0
         head = _HEADER.pack(
             _FRAME,
-            self.stream | flags,
+            self.stream | flags | _PLACED * is_placed,
             self.session,
             self.session_offset,
             self.number,
@@ -67,7 +78,7 @@ class Chunk(NamedTuple):
             self.sent_ns,
         )
         # One copy of a body that may be large.
-        return head + self.body
+        return head + _PLACE.pack(self.before) + self.body if is_placed else head + self.body
 
     @staticmethod
     def from_bytes(data: bytes) -> Chunk:
@@ -78,8 +89,15 @@ class Chunk(NamedTuple):
         _, flags, session, session_offset, number, offset, size_bytes, offered_ns, sent_ns = (
             _HEADER.unpack_from(data)
         )
-        body = data[HEADER_BYTES:]
-        if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes or flags >= 2 * _KEPT:
+        before = 0
+        if flags >= _PLACED:
+            if not flags & _PLACED or len(data) < MOST_HEADER_BYTES:
+                raise malformed("a chunk without its place")
+            (before,) = _PLACE.unpack_from(data, HEADER_BYTES)
+            body = data[MOST_HEADER_BYTES:]
+        else:
+            body = data[HEADER_BYTES:]
+        if size_bytes > MAX_MESSAGE_BYTES or offset + len(body) > size_bytes:
             raise malformed("a chunk that reaches beyond its message")
         return Chunk(
             session,
@@ -93,7 +111,15 @@ class Chunk(NamedTuple):
             bool(flags & _COMPRESSED),
             bool(flags & _KEPT),
             body,
+            before,
+            bool(flags & _IN_ORDER),
         )
+
+    @property
+    def sent_bytes(self) -> int:
+        """How many bytes ``to_bytes`` gives."""
+        is_placed = self.is_in_order or self.before > 0
+        return (MOST_HEADER_BYTES if is_placed else HEADER_BYTES) + len(self.body)
 
     @property
     def is_last(self) -> bool:
@@ -224,13 +250,60 @@ class ReceivedSessions:
         self.received_bytes += size_bytes
         return True
 
+    def on_datagram(self, chunk: Chunk, size_bytes: int) -> LostSpan | None:
+        """Take a chunk that may come before or after others, or again; its span, if it is a new one."""
+        if chunk.session < self.session:
+            return None
+        if chunk.session > self.session:
+            self._begin(chunk)
+            self.received_bytes = 0
+        ahead_bytes = (chunk.session_offset - self.received_bytes) % SESSION_OFFSETS
+        if ahead_bytes >= SESSION_OFFSETS // 2:
+            ahead_bytes -= SESSION_OFFSETS
+        begin_bytes = self.received_bytes + ahead_bytes
+        span = LostSpan(begin_bytes, begin_bytes + size_bytes)
+        if ahead_bytes < 0:
+            return span if self._fill(span) else None
+        if ahead_bytes:
+            self._lost.append(LostSpan(self.received_bytes, begin_bytes))
+            self._merge_lost()
+        self.received_bytes = span.until_bytes
+        return span
+
+    def refuse(self, span: LostSpan) -> None:
+        """What came there counts as lost after all."""
+        at = bisect(self._lost, span)
+        before, behind = self._lost[:at], self._lost[at:]
+        if before and before[-1].until_bytes >= span.after_bytes:
+            span = LostSpan(before[-1].after_bytes, max(before.pop().until_bytes, span.until_bytes))
+        if behind and behind[0].after_bytes <= span.until_bytes:
+            span = LostSpan(span.after_bytes, max(behind.pop(0).until_bytes, span.until_bytes))
+        self._lost = [*before, span, *behind]
+        self._merge_lost()
+
+    def _fill(self, span: LostSpan) -> bool:
+        """Whether all of ``span`` was lost; it is no more."""
+        for at, lost in enumerate(self._lost):
+            if lost.after_bytes <= span.after_bytes and span.until_bytes <= lost.until_bytes:
+                parts = (
+                    LostSpan(lost.after_bytes, span.after_bytes),
+                    LostSpan(span.until_bytes, lost.until_bytes),
+                )
+                self._lost[at : at + 1] = [part for part in parts if part.after_bytes < part.until_bytes]
+                self._merge_lost()
+                return True
+        return False
+
     def lack(self) -> None:
         """The message that ends with the last chunk is lost."""
         span = LostSpan(self._begin_bytes, self.received_bytes)
         if self._lost and self._lost[-1].until_bytes == span.after_bytes:
             span = LostSpan(self._lost.pop().after_bytes, span.until_bytes)
         self._lost.append(span)
-        if len(self._lost) > MAX_LOST_SPANS:
+        self._merge_lost()
+
+    def _merge_lost(self) -> None:
+        while len(self._lost) > MAX_LOST_SPANS:
             # What arrived between them is rather kept by the robot as well than nowhere.
             first, second = self._lost[:2]
             self._lost[:2] = [LostSpan(first.after_bytes, second.until_bytes)]

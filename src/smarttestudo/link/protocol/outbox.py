@@ -18,8 +18,9 @@ from smarttestudo.link.protocol.chunks import (
     Acknowledgement,
     Chunk,
 )
-from smarttestudo.link.protocol.fates import Fates
-from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream
+from smarttestudo.link.protocol.fates import Ends, Fates
+from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream, SentMessage
+from smarttestudo.link.protocol.repair import SentParts
 from smarttestudo.pacing.coded_video import VideoFrame, VideoGroup
 
 MAX_QUEUED_BYTES = 1_000_000
@@ -53,6 +54,8 @@ class Outbox:
         self.fates = Fates()
         self._waits_since_ns = 0
         """Since when something waits."""
+        self._parts: SentParts | None = None
+        """What was sent in a session by datagrams."""
         self._under_way: deque[tuple[int, OutgoingMessage]] = deque()
         """Messages that were sent whole, and are kept or have an origin, each after where it ended."""
         self._sent_bytes = self._acknowledged_bytes = 0
@@ -68,8 +71,10 @@ class Outbox:
 
     def is_drained(self, stream: int) -> bool:
         """Whether nothing of a stream is to be sent, or sent again; so it is before the first session."""
+        ending = self._streams[stream]
         return not self.fates.had_session or not (
-            self._streams[stream].has_work
+            ending.has_work
+            or (self._parts is not None and self._parts.keeps(ending))
             or any(sent.stream == stream and sent.is_kept for _, sent in self._under_way)
         )
 
@@ -83,6 +88,8 @@ class Outbox:
         for _, message in self._under_way:
             # It arrives, or is lost.
             message.is_kept &= message.stream != stream
+        if self._parts is not None:
+            self._parts.close(closed, now_ns)
         return replace(closed.counts(now_ns), queued_bytes=0, is_losing=False)
 
     def skip(self, stream: int) -> None:
@@ -102,8 +109,12 @@ class Outbox:
         origin: MessageOrigin | None = None,
         *,
         frame: VideoFrame | None = None,
+        about: int | None = None,
     ) -> None:
-        """Have a message sent. It replaces only messages of its ``lane``; it may be a ``frame`` of video."""
+        """Have a message sent. It replaces only messages of its ``lane``; it may be a ``frame`` of video.
+
+        In a session by datagrams, a stream that it is ``about`` waits until it has arrived.
+        """
         if not self._active:
             self._waits_since_ns = now_ns
         open_stream = self._streams[stream]
@@ -121,8 +132,10 @@ class Outbox:
             self._queue(open_stream, message, most_bytes)
         else:
             self._replace(open_stream, message, is_patient=is_patient)
-        if open_stream.has_work:
-            self._active[stream] = open_stream
+        self._activate(open_stream)
+        if self._parts is not None and about in self._streams:
+            self._streams[about].announcement = message
+            self._active.pop(about, None)
 
     @property
     def is_empty(self) -> bool:
@@ -133,6 +146,8 @@ class Outbox:
         if not self._active:
             return None
         stream = self._first(now_ns)
+        if self._parts is not None:
+            return self._next_part(self._parts, stream, session, now_ns)
         message = stream.begun or stream.begin(now_ns)
         if message.encoded is None:
             message.encoded = self._encode(stream.number, message.payload)
@@ -157,8 +172,12 @@ class Outbox:
             self._finish(stream, message)
         return chunk
 
-    def acknowledge(self, received: Acknowledgement) -> None:
+    def acknowledge(self, received: Acknowledgement, now_ns: int) -> None:
         """The other end has so much of the session."""
+        if self._parts is not None:
+            for sent in self._parts.acknowledge(received, now_ns):
+                self._deliver(sent)
+            return
         total_bytes = received.received_bytes
         while self._under_way and self._under_way[0][0] <= total_bytes:
             end_bytes, message = self._under_way.popleft()
@@ -174,16 +193,21 @@ class Outbox:
     def give_up_all(self) -> None:
         for stream in self._streams.values():
             self.fates.give_up(*stream.waiting)
-        self.fates.give_up(*(message for _, message in self._under_way))
+        self.fates.give_up(*(message for _, message in self._all_under_way()))
 
-    def restart(self, ended: int, now_ns: int) -> None:
-        """Session ``ended`` is over: latched messages go again, and kept ones that may not have arrived."""
+    def restart(self, ended: int, now_ns: int, parts: SentParts | None = None) -> None:
+        """Session ``ended`` is over: latched messages go again, and kept ones that may not have arrived.
+
+        ``parts`` takes what is sent in the next one, if that goes by datagrams.
+        """
+        under_way = self._all_under_way()
         again: dict[int, list[OutgoingMessage]] = {}
-        for _, message in self._under_way:
+        for _, message in under_way:
             if message.is_kept:
                 again.setdefault(message.stream, []).append(message)
-        self.fates.end_session(ended, [(((end,),), message) for end, message in self._under_way], now_ns)
+        self.fates.end_session(ended, under_way, now_ns)
         self._under_way.clear()
+        self._parts = parts
         self._sent_bytes = self._acknowledged_bytes = 0
         for stream in self._streams.values():
             self._restart(stream, again.get(stream.number, []))
@@ -194,8 +218,24 @@ class Outbox:
         under_way = [message for _, message in self._under_way]
         for stream in self._streams.values():
             stream.queue_latched_again(under_way)
-            if stream.has_work:
-                self._active[stream.number] = stream
+            self._activate(stream)
+
+    def look_for_losses(self, now_ns: int) -> None:
+        """Have parts sent again that are lost by now, where their messages are wanted."""
+        parts = self._parts
+        if parts is None or parts.wake_ns is None or parts.wake_ns > now_ns:
+            return
+        for sent in parts.lost(now_ns):
+            sent.stream.repair(sent)
+            self._activate(sent.stream)
+        for sent in parts.gone(now_ns):
+            sent.stream.lose(sent)
+            self.fates.give_up(sent.message)
+
+    @property
+    def wake_ns(self) -> int | None:
+        """When to look for losses though nothing happens."""
+        return None if self._parts is None else self._parts.wake_ns
 
     def counts(self, now_ns: int) -> Iterator[tuple[int, StreamCounts]]:
         for number, stream in self._streams.items():
@@ -265,6 +305,42 @@ class Outbox:
         stream.replaced += 1
         self.fates.give_up(stream.take_slot(number))
 
+    def _next_part(self, parts: SentParts, stream: OutgoingStream, session: int, now_ns: int) -> Chunk:
+        begun = stream.begun
+        if not stream.repairs and begun is None:
+            begun = stream.begin(now_ns)
+            begun.encoded = begun.encoded or self._encode(stream.number, begun.payload)
+            parts.begin(stream, begun, len(begun.encoded.data))
+        chunk = parts.next_part(stream, session, now_ns)
+        if begun is not None and begun.offset >= chunk.size_bytes and begun.number == chunk.number:
+            stream.begun, stream.is_floor_begun = None, False
+            stream.sent += 1
+        if not stream.has_work:
+            del self._active[stream.number]
+        return chunk
+
+    def _deliver(self, sent: SentMessage) -> None:
+        """A message was delivered: what waits for it may be sent, and it is not missed."""
+        sent.message.origin = None
+        self.fates.on_arrival()
+        if not sent.stream.has_work:
+            self._active.pop(sent.stream.number, None)
+        if sent.stream.number == CONTROL_STREAM:
+            for stream in self._streams.values():
+                if stream.announcement is sent.message:
+                    stream.announcement = None
+                    self._activate(stream)
+
+    def _activate(self, stream: OutgoingStream) -> None:
+        """Have a stream served, if it has anything to send and its announcement has arrived."""
+        if stream.has_work and stream.announcement is None:
+            self._active[stream.number] = stream
+
+    def _all_under_way(self) -> list[tuple[Ends, OutgoingMessage]]:
+        if self._parts is not None:
+            return list(self._parts.under_way)
+        return [(((end,),), message) for end, message in self._under_way]
+
     def _finish(self, stream: OutgoingStream, message: OutgoingMessage) -> None:
         stream.begun, stream.is_floor_begun = None, False
         stream.sent += 1
@@ -275,6 +351,8 @@ class Outbox:
 
     def _restart(self, stream: OutgoingStream, again: list[OutgoingMessage]) -> None:
         begun, stream.begun, stream.is_floor_begun = stream.begun, None, False
+        stream.announcement = None
+        stream.repairs.clear()
         if begun is not None and begun.is_kept:
             again.append(begun)
             begun = None

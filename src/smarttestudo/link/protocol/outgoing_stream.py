@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Collection, Hashable, Iterator
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import NamedTuple
 
 from smarttestudo.domain.link import LinkNeeds, MessageOrigin, StreamCounts
@@ -59,10 +60,47 @@ class OutgoingMessage:
 
 
 @dataclass(slots=True, eq=False)
+class SentMessage:
+    """A message of a session by datagrams, from its first part on; its parts are known by their offsets.
+
+    It is the ``turn``-th of its stream in the session, ``before`` of those before it arrive in order, and it
+    may be one of these. ``ends`` says where each copy of a part ends in the session, ``missing`` which parts
+    are to be sent again. It ``is_over`` once it has arrived, or nothing more can become of it.
+    """
+
+    stream: OutgoingStream
+    message: OutgoingMessage
+    turn: int
+    before: int
+    is_in_order: bool
+    parts: int
+    ends: dict[int, list[int]] = field(default_factory=dict)
+    arrived: set[int] = field(default_factory=set)
+    missing: deque[int] = field(default_factory=deque)
+    whole_ns: int | None = None
+    """When its last part was sent first."""
+    was_repaired: bool = False
+    given_up: GivenUp | None = None
+    is_over: bool = False
+
+    @property
+    def has_arrived(self) -> bool:
+        return len(self.arrived) == self.parts
+
+
+class GivenUp(Enum):
+    """Why a message of which parts were lost is not sent again."""
+
+    REPLACED = "replaced"
+    LATE = "late"
+
+
+@dataclass(slots=True, eq=False)
 class OutgoingStream:
     """One stream: ``slots`` has messages that newer ones of their ``lanes`` may replace, ``queue`` others.
 
-    ``video`` is there of coded video: its last group, broken where a frame of it gave way.
+    ``video`` is there of coded video: its last group, broken where a frame of it gave way. ``repairs`` have
+    parts that are to be sent again, the oldest first. The stream waits until ``announcement`` has arrived.
     """
 
     number: int
@@ -82,11 +120,30 @@ class OutgoingStream:
     overflowed: int = 0
     overflowed_ns: int | None = None
     video: VideoGroup | None = None
+    repairs: deque[SentMessage] = field(default_factory=deque)
+    announcement: OutgoingMessage | None = None
+    repaired: int = 0
+    lost_replaced: int = 0
+    lost_late: int = 0
 
     @property
     def has_work(self) -> bool:
         """Whether anything waits or is being sent."""
-        return self.begun is not None or bool(self.queue) or bool(self.slots)
+        return self.begun is not None or bool(self.queue) or bool(self.slots) or bool(self.repairs)
+
+    def repair(self, sent: SentMessage) -> None:
+        """Have the missing parts of a message sent again, before later ones."""
+        if sent in self.repairs:
+            return
+        place = sum(other.turn < sent.turn for other in self.repairs)
+        self.repairs.insert(place, sent)
+
+    def lose(self, sent: SentMessage) -> None:
+        """Count a message that was given up and did not arrive."""
+        if sent.given_up is GivenUp.REPLACED:
+            self.lost_replaced += 1
+        else:
+            self.lost_late += 1
 
     @property
     def waiting(self) -> Iterator[OutgoingMessage]:
@@ -99,6 +156,8 @@ class OutgoingStream:
     @property
     def next_message(self) -> OutgoingMessage:
         """The message that goes next; there must be one."""
+        if self.repairs:
+            return self.repairs[0].message
         if self.begun is not None:
             return self.begun
         return self.next_waiting
@@ -181,4 +240,7 @@ class OutgoingStream:
             overflowed=self.overflowed,
             queued_bytes=self.queued_bytes + self.slots_bytes,
             is_losing=self.overflowed_ns is not None and now_ns - self.overflowed_ns < LOSING_NS,
+            repaired=self.repaired,
+            lost_replaced=self.lost_replaced,
+            lost_late=self.lost_late,
         )

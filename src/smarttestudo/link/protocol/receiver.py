@@ -15,10 +15,12 @@ from smarttestudo.link.protocol.chunks import (
     MAX_MESSAGE_BYTES,
     NUMBERS,
     Chunk,
+    LostSpan,
     Reassembler,
     ReceivedSessions,
 )
 from smarttestudo.link.protocol.messages import CONTROL, REPORTS, Announcement, Report, ReportWriter
+from smarttestudo.link.protocol.ordered_parts import OrderedParts, WholeMessage
 from smarttestudo.link.protocol.window import (
     ACKNOWLEDGE_BYTES,
     ACKNOWLEDGE_PERIOD_NS,
@@ -83,6 +85,8 @@ class LinkReceiver:
         self._predicts = predicts
         self._sessions = ReceivedSessions()
         self._parts = Reassembler()
+        self._ordered: OrderedParts | None = None
+        """The parts of a session by datagrams."""
         self._offset = LeastOfWindow(CLOCK_WINDOW_NS)
         self._round_trip_ns = 0
         self._newest: dict[int, int] = {}
@@ -107,6 +111,20 @@ class LinkReceiver:
             self.counts.malformed += 1
             return None
 
+    def receive_datagram(self, data: bytes, now_ns: int) -> list[Announcement | ReceivedMessage]:
+        """The streams and messages that are whole with a chunk which may come before or after others."""
+        try:
+            chunk = Chunk.from_bytes(data)
+            return self._receive_datagram(chunk, len(data), now_ns)
+        except LinkError:
+            self.counts.malformed += 1
+            return []
+
+    @property
+    def is_by_datagrams(self) -> bool:
+        """Whether the newest session came by datagrams."""
+        return self._ordered is not None
+
     @property
     def wake_ns(self) -> int:
         if self._reported_ns is None:
@@ -130,12 +148,8 @@ class LinkReceiver:
 
     def _receive(self, chunk: Chunk, size_bytes: int, now_ns: int) -> Announcement | ReceivedMessage | None:
         self.has_news = True
-        before = self._sessions.session
+        self._follow_session(chunk)
         is_next = self._sessions.on_chunk(chunk, size_bytes)
-        if self._sessions.session != before:
-            self.counts.broken += self._parts.broken
-            self._parts, self._reported_bytes = Reassembler(), 0
-            self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
         if not is_next:
             # Of a connection that was given up or cut; what must not be lost comes again.
             self.counts.late += 1
@@ -145,14 +159,75 @@ class LinkReceiver:
         transit_ns = offset_ns - self._offset.add(offset_ns, now_ns)
         data = self._parts.add(chunk)
         if data is None:
-            if chunk.is_last and not chunk.is_kept:
-                self._sessions.lack()
+            if chunk.is_last:
+                self._lack(chunk)
             return None
         if chunk.is_compressed:
             data = self._decompress(data, MAX_MESSAGE_BYTES)
         if chunk.stream == CONTROL_STREAM:
             return self._control(data)
         return self._message(chunk, data, transit_ns)
+
+    def _follow_session(self, chunk: Chunk, ordered: OrderedParts | None = None) -> None:
+        """Begin a session with its first chunk; what is unfinished of the last one is lost."""
+        if chunk.session <= self._sessions.session:
+            return
+        if self._ordered is not None:
+            for span in self._ordered.undelivered:
+                self._sessions.refuse(span)
+        self.counts.broken += self._parts.broken
+        self._parts, self._ordered, self._reported_bytes = Reassembler(), ordered, 0
+        self.report_period_ns = ACKNOWLEDGE_PERIOD_NS
+
+    def _receive_datagram(
+        self, chunk: Chunk, size_bytes: int, now_ns: int
+    ) -> list[Announcement | ReceivedMessage]:
+        self.has_news = True
+        self._follow_session(chunk, OrderedParts())
+        ordered = self._ordered
+        span = None if ordered is None else self._sessions.on_datagram(chunk, size_bytes)
+        if span is None or ordered is None:
+            self.counts.repeated += 1
+            return []
+        self.counts.received_bytes += size_bytes
+        offset_ns = now_ns - chunk.sent_ns
+        transit_ns = offset_ns - self._offset.add(offset_ns, now_ns)
+        is_late = transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept
+        if is_late or not self._is_wanted(chunk, span, ordered):
+            # What is needed of it comes again.
+            self._sessions.refuse(span)
+            self.counts.late += 1
+            return []
+        try:
+            whole = ordered.add(chunk, span, now_ns - transit_ns)
+        except LinkError:
+            self._sessions.refuse(span)
+            raise
+        found = [self._deliver(one, now_ns) for one in whole]
+        return [one for one in found if one is not None]
+
+    def _is_wanted(self, chunk: Chunk, span: LostSpan, ordered: OrderedParts) -> bool:
+        if chunk.stream == CONTROL_STREAM:
+            return True
+        if chunk.stream not in self.streams or span.after_bytes < ordered.announced(chunk.stream):
+            # It is of a stream that had the number before.
+            return False
+        if chunk.is_in_order:
+            return True
+        before = self._newest.get(chunk.stream)
+        is_newer = before is None or 0 < (chunk.number - before) % NUMBERS < NUMBERS // 2
+        return is_newer and chunk.before <= ordered.delivered(chunk.stream)
+
+    def _deliver(self, whole: WholeMessage, now_ns: int) -> Announcement | ReceivedMessage | None:
+        chunk, data = whole.chunk, whole.data
+        if chunk.is_compressed:
+            data = self._decompress(data, MAX_MESSAGE_BYTES)
+        if chunk.stream != CONTROL_STREAM:
+            return self._message(chunk, data, now_ns - whole.sent_ns)
+        said = self._control(data)
+        if said is not None and self._ordered is not None:
+            self._ordered.announce(said.stream, whole.span, is_open=said.info is not None)
+        return said
 
     def _control(self, data: bytes) -> Announcement | None:
         said = CONTROL.from_bytes(data)
@@ -188,11 +263,15 @@ class LinkReceiver:
         group.take(frame)
         return group
 
+    def _lack(self, chunk: Chunk) -> None:
+        """Say that the message of the last chunk is lost, where it does not come again."""
+        if self._ordered is None and not chunk.is_kept:
+            self._sessions.lack()
+
     def _message(self, chunk: Chunk, payload: bytes, transit_ns: int) -> ReceivedMessage | None:
         info = self.streams.get(chunk.stream)
         if info is None:
-            if not chunk.is_kept:
-                self._sessions.lack()
+            self._lack(chunk)
             self.counts.malformed += 1
             return None
         before = self._newest.get(chunk.stream)
@@ -204,7 +283,7 @@ class LinkReceiver:
         if transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept:
             if group is not None:
                 group.is_broken = True
-            self._sessions.lack()
+            self._lack(chunk)
             self.counts.late += 1
             return None
         if group is not None and group.is_known and group.is_broken:

@@ -11,8 +11,10 @@ from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.protocol.background import BackgroundRequests, Grant
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Acknowledgement
+from smarttestudo.link.protocol.datagram_window import DatagramWindow
 from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode
+from smarttestudo.link.protocol.repair import LossShare, SentParts
 from smarttestudo.link.protocol.window import Window
 
 STALLED_AFTER_NS = NS_PER_S
@@ -105,7 +107,7 @@ class Scheduler(Generic[_Request]):
 
     The driver sends what ``next_chunk`` gives; where that has nothing, it answers the request that
     ``next_grant`` gives, and says how much that was (``requests.sent``). Another look is due after anything
-    happened, and at ``requests.wake_ns``.
+    happened, and at ``wake_ns``.
     """
 
     def __init__(self, encode: Encode, fetch_budget_bytes_per_s: float = math.inf) -> None:
@@ -113,13 +115,23 @@ class Scheduler(Generic[_Request]):
         """Number of the session of which chunks are; 0 before the first."""
         self.open_until_ns: int | None = None
         self._chunk_bytes = 0
+        self.losses = LossShare()
         self.outbox = Outbox(encode)
         self.outbox.open(CONTROL_STREAM)
-        self.window = Window()
+        self.window: Window | DatagramWindow = Window()
         self.budget = BudgetEstimator()
         self.requests: BackgroundRequests[_Request] = BackgroundRequests(
             self._live_window, fetch_budget_bytes_per_s
         )
+
+    @property
+    def is_by_datagrams(self) -> bool:
+        """Whether the session goes by datagrams, of which some may be lost."""
+        return isinstance(self.window, DatagramWindow)
+
+    @property
+    def _free_ns(self) -> int:
+        return self.window.free_ns if isinstance(self.window, DatagramWindow) else 0
 
     def is_open(self, now_ns: int) -> bool:
         """Whether somebody is there to receive live messages."""
@@ -148,6 +160,8 @@ class Scheduler(Generic[_Request]):
         """The chunk to send now; ``None`` while nothing waits, nobody is there, or enough is under way."""
         if not self._may_send(now_ns):
             return None
+        if isinstance(self.window, DatagramWindow):
+            return self._next_datagram(self.window, now_ns)
         chunk_bytes = self.window.chunk_bytes
         if not chunk_bytes:
             if not self.outbox.is_empty:
@@ -157,14 +171,30 @@ class Scheduler(Generic[_Request]):
         if chunk is None:
             self._note_idle(now_ns)
             return None
-        self.budget.sent(now_ns)
         data = chunk.to_bytes()
         self._chunk_bytes += len(data)
         self.window.sent(len(data), now_ns)
-        self.requests.fill(len(data), now_ns, self.window)
+        self._note_sent(len(data), now_ns)
+        return data
+
+    def _next_datagram(self, window: DatagramWindow, now_ns: int) -> bytes | None:
+        self.outbox.look_for_losses(now_ns)
         if self.outbox.is_empty:
             self._note_idle(now_ns)
+            return None
+        if not window.has_room or now_ns < window.free_ns:
+            return None
+        chunk = self.outbox.next_chunk(self.session, 0, now_ns)
+        assert chunk is not None
+        data = chunk.to_bytes()
+        self._note_sent(len(data), now_ns)
         return data
+
+    def _note_sent(self, size_bytes: int, now_ns: int) -> None:
+        self.budget.sent(now_ns)
+        self.requests.fill(size_bytes, now_ns, self.window)
+        if self.outbox.is_empty:
+            self._note_idle(now_ns)
 
     def next_grant(self, now_ns: int) -> Grant[_Request] | None:
         """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
@@ -175,23 +205,40 @@ class Scheduler(Generic[_Request]):
     def has_next(self, now_ns: int) -> bool:
         """Whether ``next_chunk`` or ``next_grant`` may give something."""
         if not self.outbox.is_empty and self._may_send(now_ns):
-            if self.window.has_room:
+            if self.window.has_room and now_ns >= self._free_ns:
                 return True
             self.window.limited()
         return not self.requests.is_empty
 
+    def wake_ns(self, now_ns: int) -> int | None:
+        """When to look again though nothing happens; ``None`` where that is not known."""
+        due_ns = [self.requests.wake_ns(now_ns)]
+        if self.is_by_datagrams and self._may_send(now_ns):
+            due_ns.append(self.outbox.wake_ns)
+            if not self.outbox.is_empty and self.window.has_room:
+                due_ns.append(self._free_ns)
+        return min((one for one in due_ns if one is not None), default=None)
+
     def acknowledge(self, received: Acknowledgement, now_ns: int) -> None:
         """The other end has so much of a session; what it says of another than this one is no news."""
-        if received.session == self.session and self.window.acknowledge(received.received_bytes, now_ns):
-            self.outbox.acknowledge(received)
+        if received.session != self.session:
+            return
+        if self.is_by_datagrams or self.window.acknowledge(received.received_bytes, now_ns):
+            self.outbox.acknowledge(received, now_ns)
 
-    def restart(self, session: int, now_ns: int) -> None:
+    def restart(self, session: int, now_ns: int, *, by_datagrams: bool = False) -> None:
         """Begin another session: what was under way in the last one is lost, or goes again."""
         ended, self.session = self.session, session
-        self.window = Window(self.window.capacity_bytes_per_s, is_measured=self.window.is_measured)
+        before, parts = self.window, None
+        if by_datagrams:
+            window = DatagramWindow(before.capacity_bytes_per_s, is_measured=before.is_measured)
+            parts = SentParts(window, self.losses, before.round_trip_ns)
+            self.window = window
+        else:
+            self.window = Window(before.capacity_bytes_per_s, is_measured=before.is_measured)
         self.outbox.close(CONTROL_STREAM, now_ns)
         self.outbox.open(CONTROL_STREAM)
-        self.outbox.restart(ended, now_ns)
+        self.outbox.restart(ended, now_ns, parts)
 
     def _may_send(self, now_ns: int) -> bool:
         return self.is_open(now_ns) and not self.is_stalled(now_ns)

@@ -33,6 +33,10 @@ MAX_ENDING = 64
 MAX_RECEIVERS = 64
 """With more, nothing is known of some, so nothing is reckoned."""
 
+HOLD_NS = 10 * NS_PER_S
+"""For so long a session goes on before datagrams are tried again."""
+_FAST_BYTES_PER_S = 5_000_000.0
+"""A link that carries so much and loses nothing is a wire, where large chunks take less CPU."""
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _Request = TypeVar("_Request")
@@ -122,6 +126,8 @@ class LinkSender(Generic[_Request]):
         self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
+        self._datagrams_to: int | None = None
+        """The receiver with which datagrams come through either way."""
         self._served_receiver: int | None = None
         """The receiver of the last session, though its connection may be cut."""
         self._received_ns = 0
@@ -229,8 +235,12 @@ class LinkSender(Generic[_Request]):
             self._serve(report, now_ns)
         elif report.received.is_cut and self._may_restart(report.received, now_ns):
             self._restart(now_ns)
-        elif has_joined:
+        elif has_joined and not self.scheduler.is_by_datagrams:
             self._outbox.send_latched_again()
+
+    def allow_datagrams(self, receiver: int | None) -> None:
+        """Datagrams come through to that receiver and back; to none any more, where that is ``None``."""
+        self._datagrams_to = receiver
 
     def is_connected(self, now_ns: int) -> bool:
         """Whether an operator's end was heard lately."""
@@ -255,6 +265,8 @@ class LinkSender(Generic[_Request]):
             operators=self._receivers.present(now_ns),
             sent_bytes=self.scheduler.sent_bytes,
             silent_s=(now_ns - self._arrived_ns) / NS_PER_S,
+            by_datagrams=self.scheduler.is_by_datagrams,
+            lost_percent=100 * self.scheduler.losses.at(now_ns) if self.scheduler.is_by_datagrams else None,
         )
 
     def counts(self, now_ns: int) -> dict[str, StreamCounts]:
@@ -283,7 +295,7 @@ class LinkSender(Generic[_Request]):
         if self.scheduler.session < received.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
             self._restart(now_ns, after=received.session)
-        elif must_restart or self._acknowledge(received, now_ns):
+        elif must_restart or self._acknowledge(received, now_ns) or self._is_to_switch(now_ns):
             self._restart(now_ns)
         if not is_served:
             self._outbox.fates.settle_all()
@@ -322,7 +334,7 @@ class LinkSender(Generic[_Request]):
             self._outages += now_ns - self._received_ns > self.scheduler.stalled_after_ns
         is_newest = received.session == self.scheduler.session
         if is_newest and received.received_bytes <= self.scheduler.window.sent_bytes:
-            self._outbox.acknowledge(received)
+            self._outbox.acknowledge(received, now_ns)
 
     def _acknowledge(self, received: Acknowledgement, now_ns: int) -> bool:
         """The receiver has so much of this session; whether another is to begin: the rest is lost."""
@@ -334,10 +346,26 @@ class LinkSender(Generic[_Request]):
         if self.scheduler.window.acknowledged_bytes > before_bytes:
             self._arrived_ns = now_ns
         self._outages += is_stalled
+        if self.scheduler.is_by_datagrams:
+            return is_stalled
         is_lossy = received.is_cut or bool(received.lost)
         return (is_stalled and self.scheduler.window.in_flight_bytes > 0) or (
             is_lossy and self._may_restart(received, now_ns)
         )
+
+    def _is_to_switch(self, now_ns: int) -> bool:
+        """Whether datagrams are to be used from now on, or no more."""
+        if self._may_use_datagrams(now_ns):
+            has_held = now_ns - self._restarted_ns >= HOLD_NS or self._sessions <= 1
+            return has_held and not self.scheduler.is_by_datagrams
+        return self.scheduler.is_by_datagrams
+
+    def _may_use_datagrams(self, now_ns: int) -> bool:
+        """Whether the receiver that is served, and no other, is there, and has them come through."""
+        if self._datagrams_to is None or self._receivers.present(now_ns) != {self._datagrams_to}:
+            return False
+        is_wire = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
+        return not is_wire or self.scheduler.losses.at(now_ns) > 0
 
     def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
         """Whether what is lost is of this session, and it is not the first second of it."""
@@ -347,7 +375,8 @@ class LinkSender(Generic[_Request]):
     def _restart(self, now_ns: int, *, after: int = 0) -> None:
         self._restarted_ns = now_ns
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
-        self.scheduler.restart(max(self.scheduler.session, after) + 1, now_ns)
+        session = max(self.scheduler.session, after) + 1
+        self.scheduler.restart(session, now_ns, by_datagrams=self._may_use_datagrams(now_ns))
         self._introduce(now_ns)
 
     def _introduce(self, now_ns: int) -> None:
@@ -363,7 +392,7 @@ class LinkSender(Generic[_Request]):
         said = Announcement(
             stream=stream, info=self._infos.get(stream), predicted_for=self._receivers.numbers
         )
-        self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns)
+        self._outbox.put(CONTROL_STREAM, CONTROL.to_bytes(said), now_ns, about=stream)
 
     def _encoded(self, stream: int, payload: bytes) -> Encoded:
         """Encode a message, and keep how many bytes that saves of those that are planned."""

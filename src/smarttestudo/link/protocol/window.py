@@ -264,20 +264,30 @@ class Window:
     @property
     def _ahead_s(self) -> float:
         """The time by which the link is filled ahead, in s."""
-        trip_ns = _FIRST_TRIP_NS if self._trip.least_ns is None else self._trip.least_ns
+        trip_ns = self._least_trip_ns
         if self._trip.is_draining:
             return trip_ns / NS_PER_S / 2
         # On a short link most of a round trip is the wait for the acknowledgement.
         period_ns = self.acknowledge_period_ns
-        has_room = self._trip.last_ns < trip_ns * 1.25 + period_ns + _ALLOWANCE_NS
-        if has_room and self._rate.is_growing:
+        if self.is_growing:
             return _GROW_GAIN * (trip_ns + period_ns) / NS_PER_S
         return (_PROBE_GAIN * trip_ns + period_ns + _ALLOWANCE_NS) / NS_PER_S
 
     @property
+    def is_growing(self) -> bool:
+        """Whether the link was found to carry clearly more, and has no queue yet."""
+        return self._rate.is_growing and self._trip.last_ns < self._least_trip_ns * 1.25 + (
+            self.acknowledge_period_ns + _ALLOWANCE_NS
+        )
+
+    @property
+    def _least_trip_ns(self) -> int:
+        return _FIRST_TRIP_NS if self._trip.least_ns is None else self._trip.least_ns
+
+    @property
     def has_room(self) -> bool:
         """Whether another chunk may be sent now."""
-        return self.sent_bytes - self.acknowledged_bytes < self.size_bytes
+        return self.in_flight_bytes < self.size_bytes
 
     @property
     def chunk_bytes(self) -> int:
@@ -285,7 +295,7 @@ class Window:
 
         It is 20 ms of the link within 1.2 and 16 KB, or 128 KB where topics do not need all of the link.
         """
-        room_bytes = self.size_bytes - (self.sent_bytes - self.acknowledged_bytes)
+        room_bytes = self.size_bytes - self.in_flight_bytes
         # A small rest is used too: else a window of little more than a chunk never shows that there is more.
         if room_bytes <= 0:
             return 0

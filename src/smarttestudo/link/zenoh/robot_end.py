@@ -291,7 +291,7 @@ class RobotEnd:
         for waiting in scheduler.requests.expired(now_ns):
             waiting.query.drop()
         grant = scheduler.next_grant(now_ns)
-        wake_ns = scheduler.requests.wake_ns(now_ns)
+        wake_ns = scheduler.wake_ns(now_ns)
         wait_s = _POLL_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _POLL_AGAIN_S)
         return grant, wait_s
 
