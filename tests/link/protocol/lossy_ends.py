@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Both ends in virtual time over a radio: rate, a short queue, delay, jitter, loss in runs, copies, outages."""
+"""Both ends in virtual time over a radio: rate, a short queue, jitter, loss in runs, copies, outages."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ class LossyEnds(Ends):
 
     def run(self, seconds: float) -> None:
         if self.has_datagrams:
-            self.sender.allow_datagrams(7)
+            self.sender.allow_datagrams(frozenset({7}))
         super().run(seconds)
 
     def _pump(self, now_ns: int) -> None:

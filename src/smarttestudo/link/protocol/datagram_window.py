@@ -29,6 +29,8 @@ _GROWTH = 1.1
 _FULL_ROUNDS = 3
 """After so many rounds without that it is full."""
 _FALL = 0.7
+_LEAST_BYTES_PER_S = 5_000.0
+"""No radio that is worth a session carries less, however much it loses."""
 _BURST_NS = 5 * NS_PER_MS
 """How much of the link may go at once: no thread wakes more often."""
 _JITTER_NS = 20 * NS_PER_MS
@@ -146,11 +148,11 @@ class DatagramWindow(Window):
     def _sample(self, newest: Sending, now_ns: int) -> None:
         """Learn from what arrived since ``newest`` was sent."""
         span_ns = max(newest.sent_ns - newest.first_sent_ns, now_ns - newest.arrived_ns)
-        if span_ns < self._least_trip_ns // 2 or self._trip.is_draining:
+        if span_ns < max(self._least_trip_ns // 2, NS_PER_MS) or self._trip.is_draining:
             return
         arrived_bytes = self.acknowledged_bytes - newest.arrived_bytes + self._rate.beside_bytes
         self._rate.beside_bytes = 0
-        rate = max(arrived_bytes * NS_PER_S / span_ns, 1.0)
+        rate = max(arrived_bytes * NS_PER_S / span_ns, _LEAST_BYTES_PER_S)
         self._rate.is_limit = newest.is_limited
         if newest.is_limited:
             self._rate.is_measured = True

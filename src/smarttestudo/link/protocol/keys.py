@@ -66,6 +66,11 @@ class Boot(NamedTuple):
         return f"{self.key}/command"
 
     @property
+    def datagrams_key(self) -> str:
+        """Where the robot's end gives a key for datagrams."""
+        return f"{self.key}/datagrams"
+
+    @property
     def accepts_key(self) -> str:
         """Where the robot's end tells what it accepts."""
         return f"{self.key}/accepts"

@@ -126,8 +126,8 @@ class LinkSender(Generic[_Request]):
         self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
-        self._datagrams_to: int | None = None
-        """The receiver with which datagrams come through either way."""
+        self._datagrams_to: frozenset[int] = frozenset()
+        """The receivers with which datagrams come through either way."""
         self._served_receiver: int | None = None
         """The receiver of the last session, though its connection may be cut."""
         self._received_ns = 0
@@ -238,9 +238,14 @@ class LinkSender(Generic[_Request]):
         elif has_joined and not self.scheduler.is_by_datagrams:
             self._outbox.send_latched_again()
 
-    def allow_datagrams(self, receiver: int | None) -> None:
-        """Datagrams come through to that receiver and back; to none any more, where that is ``None``."""
-        self._datagrams_to = receiver
+    def allow_datagrams(self, receivers: frozenset[int]) -> None:
+        """Datagrams come through to these receivers and back."""
+        self._datagrams_to = receivers
+
+    @property
+    def receiver(self) -> int | None:
+        """The receiver that is served."""
+        return self._receiver
 
     def is_connected(self, now_ns: int) -> bool:
         """Whether an operator's end was heard lately."""
@@ -362,7 +367,7 @@ class LinkSender(Generic[_Request]):
 
     def _may_use_datagrams(self, now_ns: int) -> bool:
         """Whether the receiver that is served, and no other, is there, and has them come through."""
-        if self._datagrams_to is None or self._receivers.present(now_ns) != {self._datagrams_to}:
+        if self._receiver not in self._datagrams_to or self._receivers.present(now_ns) != {self._receiver}:
             return False
         is_wire = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
         return not is_wire or self.scheduler.losses.at(now_ns) > 0

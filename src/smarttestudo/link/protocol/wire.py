@@ -53,6 +53,9 @@ class Kind(IntEnum):
     INCIDENT_LIST = 13
     INCIDENT_PLAN = 14
     INCIDENT_PIECE = 15
+    DATAGRAM_REQUEST = 16
+    DATAGRAM_OFFER = 17
+    PING = 18
 
     @property
     def words(self) -> str:

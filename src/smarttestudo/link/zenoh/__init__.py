@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from smarttestudo.domain.errors import Extra, LinkError, how_to_install, said
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.arrivals import MAX_WAITING_BYTES
-from smarttestudo.link.zenoh.security import LinkOptions
+from smarttestudo.link.zenoh.security import LinkOptions, has_datagrams
 
 if TYPE_CHECKING:
     from smarttestudo.link.zenoh.incidents import LinkIncidents
@@ -53,6 +53,8 @@ def open_robot_end(
     with open_session(options, "peer", warn) as opened:
         end = RobotEnd(opened, robot, warn, clock, options.fetch_budget_kb_per_s)
         try:
+            if may_have_datagrams(options, warn):
+                end.offer_datagrams(options)
             if not options.commands:
                 yield end
                 return
@@ -89,6 +91,8 @@ def open_operator_end(
         watcher = Worker("link-watch", lambda error: warn(said(error)), watch)
         end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts, receiver=receiver)
         try:
+            if may_have_datagrams(options, warn):
+                end.take_datagrams(options)
             if options.connect:
                 watcher.start()
             if options.commands:
@@ -146,6 +150,24 @@ def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
     return LinkClients(
         [LinkClient(*session_config(own, "client", lambda _: None), own.connect) for own in at_each]
     )
+
+
+def may_have_datagrams(options: LinkOptions, warn: Warn) -> bool:
+    """Whether datagrams are to go beside a link, and can: ``warn`` is told what is missing.
+
+    Raises ``LinkError`` where it is missing for datagrams that were asked for.
+    """
+    if not has_datagrams(options):
+        return False
+    try:
+        import cryptography  # noqa: F401, PLC0415  see above
+    except ImportError as error:
+        cause = "datagrams need the package cryptography"
+        if options.datagrams_port is not None:
+            raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error
+        warn(f"{cause}: what is relayed goes over the reliable link, as with --datagrams off")
+        return False
+    return True
 
 
 def require_zenoh() -> None:

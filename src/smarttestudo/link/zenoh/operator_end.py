@@ -7,15 +7,24 @@ from __future__ import annotations
 import secrets
 import threading
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import zenoh
 
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.link import ReceivedMessage, StreamInfo
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.robot import Qos
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.datagrams import (
+    DATAGRAM_OFFERS,
+    DATAGRAM_REQUESTS,
+    DATAGRAM_VERSION,
+    DatagramRequest,
+)
 from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.messages import Announcement
 from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
@@ -26,15 +35,20 @@ from smarttestudo.link.zenoh.arrivals import EventQueue, LinkEvent, RobotPresenc
 from smarttestudo.link.zenoh.commands import CommandOutbox
 from smarttestudo.link.zenoh.compression import decompress
 from smarttestudo.link.zenoh.incidents import LinkIncidents
-from smarttestudo.link.zenoh.queries import QueryClient
+from smarttestudo.link.zenoh.queries import QueryClient, Reply
+from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
 from smarttestudo.link.zenoh.statuses import StatusListener
 from smarttestudo.pacing.cdr import string_message
+
+if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.datagrams import Datagrams, Peer
 
 STATUS_STREAM = StreamInfo(
     topic=STATUS_TOPIC, type_name="std_msgs/msg/String", qos=Qos(reliable=True, transient_local=True, depth=1)
 )
 """The stream as which statuses arrive."""
+_ASK_AGAIN_NS = 10 * NS_PER_S
 _STATUS_NUMBER = 0
 """No stream of the robot's end has it."""
 
@@ -46,6 +60,10 @@ class _Robot:
     boot: Boot
     receiver: LinkReceiver
     is_present: bool = True
+    reported_ns: int = 0
+    """When it was last reported over the reliable link."""
+    asked_ns: int | None = None
+    """When a key for datagrams was last asked for."""
     lock: threading.Lock = field(default_factory=threading.Lock)
 
 
@@ -81,6 +99,7 @@ class OperatorEnd:
         self._was_full = False
         self._lock = threading.Lock()
         self._has_status: set[Boot] = set()
+        self._datagrams: Datagrams | None = None
         self._versions = OtherVersions(warn)
         self._poll_ns = 0
         self._worker = Worker("link-report", lambda error: warn(f"robots get no report: {error}"), self._poll)
@@ -91,6 +110,16 @@ class OperatorEnd:
             session.liveliness().declare_subscriber(ALL_BOOTS, self._on_token, history=True),
         )
         self._worker.start()
+
+    def take_datagrams(self, options: LinkOptions) -> None:
+        """Ask robots from now on to send what they relay as datagrams."""
+        from smarttestudo.link.zenoh.datagrams import Datagrams  # noqa: PLC0415  needs cryptography
+
+        self._client = QueryClient(self._session)
+        self._datagrams = Datagrams(
+            options, self._clock, self._on_datagram, lambda _reached: None, self._warn, is_robot=False
+        )
+        self._worker.wake()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
         """The events since the last call, in their order, as soon as there is one; else nothing."""
@@ -111,6 +140,50 @@ class OperatorEnd:
     def close(self) -> None:
         """Receive nothing more; the session is to be closed then."""
         self._worker.close()
+        if self._datagrams is not None:
+            self._datagrams.close()
+
+    def _on_datagram(self, peer: Peer, data: bytes) -> None:
+        robot = self._robots.get(peer.name)
+        if robot is None or not robot.is_present:
+            self.unknown += 1
+            return
+        with robot.lock:
+            found = robot.receiver.receive_datagram(data, self._clock())
+            wake_ns = robot.receiver.wake_ns
+            for one in found:
+                self._put(robot, one)
+        if wake_ns < self._poll_ns:
+            self._worker.wake()
+
+    def _put(self, robot: _Robot, found: Announcement | ReceivedMessage) -> None:
+        if isinstance(found, Announcement):
+            name, number = robot.boot
+            self._arrivals.put(StreamSaid(robot=name, boot=number, number=found.stream, info=found.info))
+        else:
+            self._arrivals.put(found)
+
+    def _ask_for_datagrams(self, robot: _Robot, now_ns: int) -> None:
+        """Ask for a key, and again where no datagram comes; an older robot's end does not answer."""
+        datagrams, boot = self._datagrams, robot.boot
+        if datagrams is None or (
+            robot.asked_ns is not None
+            and (now_ns - robot.asked_ns < _ASK_AGAIN_NS or robot.receiver.is_by_datagrams)
+        ):
+            return
+        peer = datagrams.peer(boot.key)
+        if peer is not None and peer.address is not None and robot.asked_ns is not None:
+            return
+        robot.asked_ns = now_ns
+        request = DatagramRequest(receiver=self._receiver, version=DATAGRAM_VERSION, port=datagrams.port)
+
+        def answered(reply: Reply) -> None:
+            if isinstance(reply, bytes):
+                with suppress(LinkError):
+                    offer = DATAGRAM_OFFERS.from_bytes(reply)
+                    datagrams.add(boot.key, offer.connection, offer.key, offer.port)
+
+        self._client.get(boot.datagrams_key, DATAGRAM_REQUESTS.to_bytes(request), answered)
 
     def _on_chunk(self, sample: zenoh.Sample) -> None:
         robot = self._robots.get(str(sample.key_expr).removesuffix("/data"))
@@ -123,11 +196,8 @@ class OperatorEnd:
         with robot.lock:
             found = robot.receiver.receive(data, self._clock())
             wake_ns = robot.receiver.wake_ns
-            if isinstance(found, Announcement):
-                name, number = robot.boot
-                self._arrivals.put(StreamSaid(robot=name, boot=number, number=found.stream, info=found.info))
-            elif found is not None:
-                self._arrivals.put(found)
+            if found is not None:
+                self._put(robot, found)
         if wake_ns < self._poll_ns:
             self._worker.wake()
 
@@ -162,6 +232,8 @@ class OperatorEnd:
                 return
             else:
                 robot.is_present = is_present
+                # Where it comes back from, others may see it at another place, or not at all.
+                robot.asked_ns = None
         if robot is None:
             return
         self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
@@ -210,9 +282,13 @@ class OperatorEnd:
         # Whatever is due before that from here on wakes the thread.
         poll_ns = self._poll_ns = now_ns + KEEP_ALIVE_NS
         for robot in self._present():
+            self._ask_for_datagrams(robot, now_ns)
             poll_ns = min(poll_ns, self._report(robot, now_ns))
         self._poll_ns = poll_ns
         return min(max(0, poll_ns - self._clock()) / NS_PER_S, self._statuses.poll())
+
+    def _peer(self, robot: _Robot) -> Peer | None:
+        return None if self._datagrams is None else self._datagrams.peer(robot.boot.key)
 
     def _report(self, robot: _Robot, now_ns: int) -> int:
         """Send the report of a robot where one is due; when the next is."""
@@ -224,7 +300,14 @@ class OperatorEnd:
             if is_due and has_news:
                 # Most likely more comes, which is due then and need not wake the thread first.
                 wake_ns = min(wake_ns, now_ns + receiver.report_period_ns)
+            peer = self._peer(robot) if is_due and receiver.is_by_datagrams else None
+        if report is not None and peer is not None and self._datagrams is not None:
+            self._datagrams.send(peer, report)
+            # The reliable link says that somebody is there where datagrams come through no more.
+            if now_ns - robot.reported_ns < KEEP_ALIVE_NS:
+                return wake_ns
         if report is not None:
+            robot.reported_ns = now_ns
             try:
                 # A report that does not get through is followed by another that says all that it said.
                 self._session.put(

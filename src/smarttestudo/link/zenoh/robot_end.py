@@ -10,6 +10,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Hashable, Mapping
 from functools import partial
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import zenoh
 
@@ -27,6 +28,7 @@ from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
 from smarttestudo.link.protocol.background import Grant
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
+from smarttestudo.link.protocol.datagrams import DATAGRAM_OFFERS, DATAGRAM_REQUESTS, DATAGRAM_VERSION
 from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import ReportReader
 from smarttestudo.link.protocol.sender import LinkSender
@@ -35,10 +37,14 @@ from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.commands import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
 from smarttestudo.link.zenoh.incidents import IncidentServer, WaitingAsk
-from smarttestudo.link.zenoh.queries import MAX_WAITING, QueryServer, WaitingQuestion
+from smarttestudo.link.zenoh.queries import MAX_WAITING, Query, QueryServer, WaitingQuestion
+from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, has_subscribers
 from smarttestudo.link.zenoh.statuses import StatusServer
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
+
+if TYPE_CHECKING:
+    from smarttestudo.link.zenoh.datagrams import Datagrams
 
 _POLL_AGAIN_S = 0.2
 """After so long it is asked again what is to be sent, though nothing happened."""
@@ -78,7 +84,8 @@ class RobotEnd:
         self._counts: dict[str, StreamCounts] = {}
         self._origin: Callable[[], MessageOrigin | None] = lambda: None
         self._versions = OtherVersions(warn)
-        self._reports = ReportReader()
+        self._reports, self._datagram_reports = ReportReader(), ReportReader()
+        self._datagrams: Datagrams | None = None
         # Neither a message nor an answer waits for the disk.
         self._disk = Worker("link-incidents", lambda error: warn(f"no incident: {said(error)}"))
         self._worker = Worker(
@@ -120,6 +127,28 @@ class RobotEnd:
             later=partial(self._disk.give, most=MAX_WAITING),
             enqueue=self._enqueue,
         )
+
+    def offer_datagrams(self, options: LinkOptions) -> None:
+        """Send what is relayed as datagrams from now on, where an operator's end asks for them."""
+        from smarttestudo.link.zenoh.datagrams import Datagrams  # noqa: PLC0415  needs cryptography
+
+        datagrams = self._datagrams = Datagrams(
+            options,
+            self._clock,
+            lambda _peer, data: self._take_report(self._datagram_reports, data),
+            lambda reached: self._do(partial(self._sender.allow_datagrams, frozenset(map(int, reached)))),
+            self._warn,
+            is_robot=True,
+        )
+
+        def handle(query: Query) -> None:
+            request = DATAGRAM_REQUESTS.from_bytes(query.data)
+            if request.version != DATAGRAM_VERSION:
+                raise LinkError(f"datagrams have version {DATAGRAM_VERSION} here, not {request.version}")
+            offer = datagrams.offer(str(request.receiver), DATAGRAM_VERSION, request.port)
+            query.reply(DATAGRAM_OFFERS.to_bytes(offer))
+
+        self._queries.serve(self.boot.datagrams_key, handle)
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         self._do(partial(self._sender.follow, needs))
@@ -200,6 +229,8 @@ class RobotEnd:
         """Send nothing more; the session is to be closed then."""
         for worker in (self._queries, self._disk, self._worker):
             worker.close()
+        if self._datagrams is not None:
+            self._datagrams.close()
 
     def _do(self, act: Callable[[], None]) -> None:
         """Act on the sender, and have the thread send what may be sent then."""
@@ -237,9 +268,11 @@ class RobotEnd:
         # What an operator's end said last may come after the news that it left.
         if self._has_left and not has_subscribers(self._data):
             return
-        data = sample.payload.to_bytes()
+        self._take_report(self._reports, sample.payload.to_bytes())
+
+    def _take_report(self, reader: ReportReader, data: bytes) -> None:
         try:
-            report = self._reports.from_bytes(data)
+            report = reader.from_bytes(data)
         except LinkError:
             self._versions.check(OPERATOR, data)
             self.malformed += 1
@@ -272,7 +305,11 @@ class RobotEnd:
                     grant, wait_s = self._next_grant(now_ns)
                     break
                 has_more = scheduler.has_next(now_ns)
-            self._data.put(chunk)
+                receiver = self._sender.receiver if scheduler.is_by_datagrams else None
+            if receiver is None:
+                self._data.put(chunk)
+            else:
+                self._send_datagram(receiver, chunk)
         else:
             return _POLL_AGAIN_S
         if grant is None:
@@ -285,6 +322,11 @@ class RobotEnd:
                 scheduler.requests.sent(grant.client, size_bytes, now_ns)
         return 0.0
 
+    def _send_datagram(self, receiver: int, chunk: bytes) -> None:
+        peer = None if self._datagrams is None else self._datagrams.peer(str(receiver))
+        if self._datagrams is not None and peer is not None:
+            self._datagrams.send(peer, chunk)
+
     def _next_grant(self, now_ns: int) -> tuple[Grant[WaitingAsk] | None, float]:
         """The question for bytes to answer now, if the link has nothing better to do, or how long to wait."""
         scheduler = self._sender.scheduler
@@ -292,7 +334,8 @@ class RobotEnd:
             waiting.query.drop()
         grant = scheduler.next_grant(now_ns)
         wake_ns = scheduler.wake_ns(now_ns)
-        wait_s = _POLL_AGAIN_S if wake_ns is None else min((wake_ns - now_ns) / NS_PER_S, _POLL_AGAIN_S)
+        wait_ns = NS_PER_S if wake_ns is None else max(wake_ns - now_ns, 0)
+        wait_s = min(wait_ns / NS_PER_S, _POLL_AGAIN_S)
         return grant, wait_s
 
 

@@ -27,6 +27,9 @@ class LinkOptions:
     needed for a link goes before what it says. ``insecure`` allows what others can read and change.
     ``commands`` are the topics whose messages go from operators to robots. What operators fetch of incidents
     and gaps takes at most ``fetch_budget_kb_per_s`` of a robot's end.
+
+    Unless it ``has_datagrams`` not, these go beside it, at ``datagrams_port`` or the port of the endpoint,
+    in the class ``dscp``; between programs of this machine only if that port is given.
     """
 
     listen: tuple[str, ...] = ()
@@ -35,6 +38,9 @@ class LinkOptions:
     insecure: bool = False
     commands: tuple[str, ...] = ()
     fetch_budget_kb_per_s: float = math.inf
+    has_datagrams: bool = True
+    datagrams_port: int | None = None
+    dscp: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +90,25 @@ class Locator:
             return False
         is_mapped = isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None
         return address.is_loopback and not is_mapped
+
+
+def datagram_locators(options: LinkOptions, endpoints: Sequence[str]) -> list[Locator]:
+    """Those of ``endpoints`` beside which datagrams go.
+
+    None goes between programs of one machine, where nothing is lost, unless a port is given for that.
+    """
+    locators = [Locator.of(endpoint) for endpoint in endpoints]
+    return [
+        one
+        for one in locators
+        if one.protocol in _PORT_PROTOCOLS and (options.datagrams_port is not None or not one.is_loopback)
+    ]
+
+
+def has_datagrams(options: LinkOptions) -> bool:
+    """Whether datagrams are to go beside a link."""
+    endpoints = (*options.listen, *options.connect)
+    return options.has_datagrams and bool(datagram_locators(options, endpoints))
 
 
 def admit(options: LinkOptions, config: Mapping[str, object]) -> str | None:

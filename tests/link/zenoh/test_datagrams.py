@@ -1,0 +1,135 @@
+# SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+# SPDX-License-Identifier: Apache-2.0
+"""Sealed datagrams beside a link on this machine: used where they come through, and closed to others."""
+
+from __future__ import annotations
+
+import random
+import socket
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
+from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
+from smarttestudo.link.zenoh import open_operator_end, open_robot_end
+from smarttestudo.link.zenoh.datagrams import Seal
+from smarttestudo.link.zenoh.operator_end import OperatorEnd
+from smarttestudo.link.zenoh.robot_end import RobotEnd
+from smarttestudo.link.zenoh.security import LinkOptions, has_datagrams
+
+
+def seals() -> tuple[Seal, Seal]:
+    """The robot's end and the operator's end of a connection."""
+    generator = random.Random(1)
+    connection, key = generator.randbytes(CONNECTION_BYTES), generator.randbytes(KEY_BYTES)
+    return Seal(connection, key, is_robot=True), Seal(connection, key, is_robot=False)
+
+
+@given(st.lists(st.binary(max_size=1_168), min_size=1, max_size=20), st.randoms(use_true_random=False))
+def test_what_is_sealed_opens_once_at_the_other_end_in_any_order(
+    texts: list[bytes], order: random.Random
+) -> None:
+    robot, operator = seals()
+    sent = [robot.seal(text) for text in texts]
+    assert all(len(datagram) == len(text) + 32 for datagram, text in zip(sent, texts, strict=True))
+    twice = [*enumerate(sent), *enumerate(sent)]
+    order.shuffle(twice)
+    opened = [(place, found[0]) for place, datagram in twice if (found := operator.open(datagram))]
+    assert sorted(opened) == list(enumerate(texts))
+
+
+@given(st.binary(min_size=1, max_size=200), st.data())
+def test_what_was_changed_cut_or_sent_back_opens_nowhere(text: bytes, data: st.DataObject) -> None:
+    robot, operator = seals()
+    datagram = robot.seal(text)
+    at = data.draw(st.integers(0, len(datagram) - 1))
+    changed = bytes([*datagram[:at], datagram[at] ^ data.draw(st.integers(1, 255)), *datagram[at + 1 :]])
+    assert operator.open(changed) is None
+    assert operator.open(datagram[: data.draw(st.integers(17, len(datagram) - 1))]) is None
+    assert robot.open(datagram) is None
+    assert text not in datagram or len(text) < 4
+    other = Seal(datagram[:CONNECTION_BYTES], bytes(KEY_BYTES), is_robot=False)
+    assert other.open(datagram) is None
+    assert operator.open(datagram) == (text, True)
+
+
+@given(st.lists(st.integers(0, 3 * WINDOW), max_size=200))
+def test_each_number_is_taken_once_and_none_that_is_too_old_to_know(numbers: list[int]) -> None:
+    window, seen = ReplayWindow(), set()
+    for number in numbers:
+        is_known = number in seen or number <= max(seen, default=0) - WINDOW
+        assert window.take(number) is not is_known
+        seen.add(number)
+
+
+def test_between_programs_of_one_machine_datagrams_go_only_if_a_port_is_given() -> None:
+    here, there = ("tcp/127.0.0.1:7447",), ("tls/192.168.1.5:7447",)
+    assert not has_datagrams(LinkOptions(connect=here))
+    assert has_datagrams(LinkOptions(connect=here, datagrams_port=7450))
+    assert has_datagrams(LinkOptions(connect=there))
+    assert not has_datagrams(LinkOptions(connect=there, has_datagrams=False))
+    assert not has_datagrams(LinkOptions(listen=("unixsock-stream/link",), datagrams_port=7450))
+
+
+@contextmanager
+def both_ends(
+    *, robot_listens: bool = False, robot_has: bool = True, operator_has: bool = True
+) -> Iterator[tuple[RobotEnd, OperatorEnd]]:
+    endpoint = free_endpoint()
+    port = int(endpoint.rpartition(":")[2])
+    listening = {"listen": (endpoint,), "datagrams_port": port}
+    # The other one sends from another port of this machine.
+    connecting = {"connect": (endpoint,), "datagrams_port": port + 20_000}
+    of_robot, of_operator = (listening, connecting) if robot_listens else (connecting, listening)
+    with ExitStack() as opened:
+        operator = LinkOptions(**of_operator, has_datagrams=operator_has)
+        robot = LinkOptions(**of_robot, has_datagrams=robot_has)
+        if robot_listens:
+            first = opened.enter_context(open_robot_end("r1", robot, refuse_warning))
+            yield first, opened.enter_context(open_operator_end(operator, refuse_warning))
+        else:
+            end = opened.enter_context(open_operator_end(operator, refuse_warning))
+            yield opened.enter_context(open_robot_end("r1", robot, refuse_warning)), end
+
+
+@pytest.mark.contract
+@pytest.mark.parametrize("robot_listens", [False, True])
+def test_what_is_relayed_goes_as_datagrams_whoever_listens(*, robot_listens: bool) -> None:
+    with both_ends(robot_listens=robot_listens) as (robot, operator):
+        reader, latched, publisher = Reader(operator), robot.advertise(MAP), robot.advertise(ODOM)
+        latched.publish(b"map" * 1_000)
+        until(lambda: robot.state.by_datagrams, reader.read)
+        image = random.Random(3).randbytes(60_000)
+        until(lambda: image in reader.payloads(), lambda: publisher.publish(image))
+        assert reader.payloads("/map") == [b"map" * 1_000]
+        assert robot.state.lost_percent is not None
+
+
+@pytest.mark.full
+@pytest.mark.parametrize(("robot_has", "operator_has"), [(False, True), (True, False)])
+def test_an_end_without_datagrams_has_the_reliable_link(*, robot_has: bool, operator_has: bool) -> None:
+    with both_ends(robot_has=robot_has, operator_has=operator_has) as (robot, operator):
+        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
+        assert not robot.state.by_datagrams
+
+
+@pytest.mark.full
+def test_a_stranger_at_the_port_gets_nothing_and_delivers_nothing() -> None:
+    with both_ends() as (robot, operator), socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
+        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        until(lambda: robot.state.by_datagrams, reader.read)
+        assert operator._datagrams is not None
+        stranger.settimeout(0.5)
+        generator = random.Random(4)
+        for size_bytes in (0, 1, 15, 16, 17, 60, 1_200, 9_000):
+            stranger.sendto(generator.randbytes(size_bytes), ("127.0.0.1", operator._datagrams.port or 0))
+        with pytest.raises(TimeoutError):
+            stranger.recv(100)
+        until(lambda: b"one" in reader.payloads(), lambda: publisher.publish(b"one"))
+        assert {*reader.payloads()} == {b"one"}
+        assert operator._datagrams.refused >= 5
