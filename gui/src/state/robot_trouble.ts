@@ -93,7 +93,8 @@ export function linkWords(link: LinkState): string {
   if (!link.connected) return "no operator connected";
   const carries = link.capacity_kb_per_s === null ? "not the limit" : `${readable(link.capacity_kb_per_s)} KB/s`;
   const trip = link.round_trip_ms === null ? "" : `, round trip ${Math.round(link.round_trip_ms)} ms`;
-  return `${carries}${trip}, ${link.outages} ${link.outages === 1 ? "outage" : "outages"}`;
+  const lost = link.lost_percent === null ? "" : `, datagrams: ${readable(link.lost_percent)} % lost`;
+  return `${carries}${trip}, ${link.outages} ${link.outages === 1 ? "outage" : "outages"}${lost}`;
 }
 
 /** An age for reading. */

@@ -18,6 +18,7 @@ from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.metric import Metric
 from smarttestudo.link.openmetrics import open_metrics_server
 from smarttestudo.link.parts.options import (
+    DATAGRAM_OPTIONS,
     INSECURE,
     SECURITY_OPTIONS,
     ZENOH_CONFIG,
@@ -92,6 +93,12 @@ def served_run(address: tuple[str, int] | None, robot: str) -> Iterator[Sequence
 def add_security(parser: argparse._ActionsContainer) -> None:
     """Add ``--zenoh-config`` and ``--insecure``."""
     for option in SECURITY_OPTIONS:
+        add_option(parser, option.flag or "", option)
+
+
+def add_datagrams(parser: argparse._ActionsContainer) -> None:
+    """Add ``--datagrams`` and ``--dscp``."""
+    for option in DATAGRAM_OPTIONS:
         add_option(parser, option.flag or "", option)
 
 

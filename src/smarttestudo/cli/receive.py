@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from smarttestudo.cli.arguments import LAST_PORT, file_path, whole_number_type
 from smarttestudo.cli.commands import CommandParser
-from smarttestudo.cli.link_options import add_openmetrics, add_security, served_metrics
+from smarttestudo.cli.link_options import add_datagrams, add_openmetrics, add_security, served_metrics
 from smarttestudo.cli.loop_options import settings_of
 from smarttestudo.cli.output import write_line
 from smarttestudo.cli.terminal import stop_signals
@@ -27,7 +27,16 @@ from smarttestudo.domain.names import STATUS_TOPIC, full_topic_names
 from smarttestudo.domain.robot import receiving_node, relaying_nodes
 from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.link.foxglove import open_foxglove_sink
-from smarttestudo.link.parts.options import INSECURE, SECURITY_OPTIONS, ZENOH_CONFIG
+from smarttestudo.link.parts.options import (
+    DATAGRAM_OPTIONS,
+    DATAGRAMS,
+    DSCP,
+    INSECURE,
+    OFF,
+    SECURITY_OPTIONS,
+    ZENOH_CONFIG,
+    datagrams_port,
+)
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
 from smarttestudo.link.receive.incident_mirror import IncidentMirror, MirrorFolders
@@ -216,6 +225,7 @@ def add_arguments(parser: CommandParser) -> None:
     )
     add_openmetrics(parser)
     add_security(parser)
+    add_datagrams(parser)
     parser.set_defaults(run=run)
 
 
@@ -308,13 +318,16 @@ def _sending(commands: CommandOutbox, pattern: str, receiving: str) -> Iterator[
 
 def _options(arguments: argparse.Namespace) -> LinkOptions:
     has_endpoint = arguments.listen or arguments.connect
-    settings = settings_of(arguments, SECURITY_OPTIONS)
+    settings = settings_of(arguments, (*SECURITY_OPTIONS, *DATAGRAM_OPTIONS))
     return LinkOptions(
         listen=tuple(arguments.listen if has_endpoint else [DEFAULT_LISTEN]),
         connect=tuple(arguments.connect),
         config_file=settings[ZENOH_CONFIG],
         insecure=settings[INSECURE],
         commands=command_topics(arguments.send, "--send"),
+        has_datagrams=settings[DATAGRAMS] != OFF,
+        datagrams_port=datagrams_port(settings),
+        dscp=settings[DSCP],
     )
 
 

@@ -185,7 +185,8 @@ def _capacity(link: LinkState | None) -> str:
         "not the limit" if link.capacity_kb_per_s is None else f"{grouped(link.capacity_kb_per_s, 1)} KB/s"
     )
     trip = "" if link.round_trip_ms is None else f", round trip {link.round_trip_ms:.0f} ms"
-    return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}"
+    lost = "" if link.lost_percent is None else f", datagrams: {link.lost_percent:.1f} % lost"
+    return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}{lost}"
 
 
 def _recording(state: IncidentState) -> Line:

@@ -80,7 +80,7 @@ class Radio:
     def _arrival_ns(self) -> int:
         one = self.profile
         jitter_ms = self.random.uniform(-one.jitter_ms, one.jitter_ms)
-        at_ns = int(self.free_ns + (one.delay_ms + jitter_ms) * MS)
+        at_ns = int(self.free_ns + max(one.delay_ms + jitter_ms, 0) * MS)
         if not one.reorders:
             at_ns = self.last_ns = max(at_ns, self.last_ns)
         return at_ns

@@ -13,11 +13,34 @@ from smarttestudo.domain.link import command_topics
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.profile import budget_kb_per_s
 from smarttestudo.link.zenoh.security import LinkOptions
-from smarttestudo.robot.option import Option, Settings, is_true, optional, path, texts
+from smarttestudo.robot.option import Option, OptionValueError, Settings, is_true, optional, path, texts
 
 
 def _accepted(value: ParameterValue) -> tuple[str, ...]:
     return command_topics(texts(value), ACCEPT.flag or "")
+
+
+OFF = 0
+"""No port: no datagrams."""
+_LAST_PORT = 65_535
+_LAST_DSCP = 63
+
+
+def _datagrams(value: ParameterValue) -> int | None:
+    text = str(value)
+    if not text:
+        return None
+    if text == "off":
+        return OFF
+    if not (text.isascii() and text.isdecimal() and 0 < int(text) <= _LAST_PORT):
+        raise OptionValueError(f"{text[:80]!r} is not a port from 1 to {_LAST_PORT}, or off")
+    return int(text)
+
+
+def _dscp(value: ParameterValue) -> int:
+    if not isinstance(value, int) or not 0 <= value <= _LAST_DSCP:
+        raise OptionValueError(f"{str(value)[:80]!r} is not a whole number from 0 to {_LAST_DSCP}")
+    return value
 
 
 LINK = Option(
@@ -72,13 +95,44 @@ INSECURE = Option(
     read=is_true,
     default=False,
 )
+DATAGRAMS = Option(
+    flag="--datagrams",
+    metavar="PORT|off",
+    help="the UDP port for what is relayed, which radios lose less of so (default: the port of the "
+    "endpoint, on links to other machines); off: none",
+    read=_datagrams,
+    default="",
+)
+DSCP = Option(
+    flag="--dscp",
+    metavar="N",
+    help="the class of datagrams for access points and routers, from 0 to 63, as in 46 (default: 0)",
+    read=_dscp,
+    default=0,
+    is_number=True,
+)
+DATAGRAM_OPTIONS = (DATAGRAMS, DSCP)
+"""What goes with the two ends of a link between which messages are relayed."""
 SECURITY_OPTIONS = (ZENOH_CONFIG, INSECURE)
 """What goes with any end of a link."""
-LINK_OPTIONS = (LINK, LINK_LISTEN, ROBOT_NAME, ACCEPT, FETCH_BUDGET, *SECURITY_OPTIONS)
+LINK_OPTIONS = (
+    LINK,
+    LINK_LISTEN,
+    ROBOT_NAME,
+    ACCEPT,
+    FETCH_BUDGET,
+    *DATAGRAM_OPTIONS,
+    *SECURITY_OPTIONS,
+)
 
 
 def has_link(settings: Settings) -> bool:
     return bool(settings[LINK] or settings[LINK_LISTEN])
+
+
+def datagrams_port(settings: Settings) -> int | None:
+    """The port for datagrams, if one is given."""
+    return settings[DATAGRAMS] or None
 
 
 def robot_name(settings: Settings) -> str:
@@ -88,7 +142,7 @@ def robot_name(settings: Settings) -> str:
 def link_options(settings: Settings) -> LinkOptions | None:
     """The link that there is to be, if any. Raises ``UsageError`` for what only goes with one."""
     if not has_link(settings):
-        for option in (ACCEPT, ROBOT_NAME, FETCH_BUDGET, *SECURITY_OPTIONS):
+        for option in (ACCEPT, ROBOT_NAME, FETCH_BUDGET, *DATAGRAM_OPTIONS, *SECURITY_OPTIONS):
             # A budget of 0 is given, too.
             if settings[option] != option.read(option.default):
                 raise UsageError("it needs a link", place=option.flag, remedy="add --link or --link-listen")
@@ -101,4 +155,7 @@ def link_options(settings: Settings) -> LinkOptions | None:
         insecure=settings[INSECURE],
         commands=settings[ACCEPT],
         fetch_budget_kb_per_s=math.inf if budget is None else budget,
+        has_datagrams=settings[DATAGRAMS] != OFF,
+        datagrams_port=datagrams_port(settings),
+        dscp=settings[DSCP],
     )

@@ -13,7 +13,7 @@ from collections import deque
 from typing import NamedTuple
 
 from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
-from smarttestudo.link.protocol.window import START_BYTES_PER_S, Window
+from smarttestudo.link.protocol.window import START_BYTES_PER_S, LeastOfWindow, Window
 
 _PHASES = (1.25, 0.75, 1.0, 1.0, 1.0, 1.0)
 """How much faster than the link delivers datagrams go, one phase after the other.
@@ -29,12 +29,19 @@ _GROWTH = 1.1
 _FULL_ROUNDS = 3
 """After so many rounds without that it is full."""
 _FALL = 0.7
+_SMALL_NS = 20 * NS_PER_MS
+"""How much of the link small messages may take in advance, so that they wait for no part of a large one."""
 _LEAST_BYTES_PER_S = 5_000.0
 """No radio that is worth a session carries less, however much it loses."""
-_BURST_NS = 5 * NS_PER_MS
-"""How much of the link may go at once: no thread wakes more often."""
+_BURST_NS = 20 * NS_PER_MS
+"""How much of the link may go at once: no thread wakes at the right time always."""
 _JITTER_NS = 20 * NS_PER_MS
 """A round trip that is longer by so much, and by a quarter, has a queue in it."""
+_AHEAD = 1.1
+_PROBE_AHEAD = 1.5
+_TRIPS = 8
+"""Of so many round trips the mean is taken."""
+_TRIPS_WINDOW_NS = 10 * NS_PER_S
 _MOST_ROUND_NS = 200 * NS_PER_MS
 
 
@@ -63,6 +70,10 @@ class DatagramWindow(Window):
         """From when on the next datagram may go."""
         self._since_ns: int | None = None
         """Since when datagrams are under way and none has arrived."""
+        self._trips_ns: list[int] = []
+        self._means = LeastOfWindow(_TRIPS_WINDOW_NS)
+        self._mean_trip_ns: int | None = None
+        """The least of the mean round trips of the last seconds, with jitter and without a queue."""
         self._arrived_ns = self._first_sent_ns = 0
         self._idle_until_bytes = 0
         """What arrives up to there was sent while nothing waited."""
@@ -71,6 +82,7 @@ class DatagramWindow(Window):
         self._round_end_bytes = 0
         self._known_bytes_per_s = 0.0
         self._full_rounds = 0
+        self._was_full = False
         self._phase = 0
         self._phase_end_ns = 0
 
@@ -85,15 +97,25 @@ class DatagramWindow(Window):
     @property
     def is_growing(self) -> bool:
         """Whether it is not known yet how much the link carries, and there is no queue."""
-        most_ns = 1.25 * self._least_trip_ns + self.acknowledge_period_ns + _JITTER_NS
-        return self._full_rounds < _FULL_ROUNDS and self._trip.last_ns < most_ns
+        least_ns = self._least_trip_ns if self._mean_trip_ns is None else self._mean_trip_ns
+        most_ns = 1.25 * least_ns + self.acknowledge_period_ns + _JITTER_NS
+        if self._trip.last_ns > most_ns:
+            self._full_rounds = _FULL_ROUNDS
+        return self._full_rounds < _FULL_ROUNDS
 
     def idle(self) -> None:
         """Note that nothing waits to be sent: what is delivered meanwhile says little about the link."""
         self._idle_until_bytes = self.acknowledged_bytes + self.in_flight_bytes
 
+    def may_send(self, now_ns: int, *, is_small: bool) -> bool:
+        """Whether a datagram may go now; one of a small message also a little before its time."""
+        ahead_ns = _SMALL_NS if is_small else 0
+        ahead_bytes = int(self.capacity_bytes_per_s * ahead_ns / NS_PER_S)
+        return self.in_flight_bytes < self.size_bytes + ahead_bytes and now_ns >= self.free_ns - ahead_ns
+
     def limited(self) -> None:
         """Note that there is more to send than room."""
+        self._was_full = True
 
     def sent_datagram(self, size_bytes: int, now_ns: int) -> Sending:
         """Count a datagram; the state that tells of the link once it arrives."""
@@ -102,6 +124,10 @@ class DatagramWindow(Window):
         self.sent_bytes += size_bytes
         if self._since_ns is None:
             self._since_ns = now_ns
+        if now_ns - self.free_ns > _BURST_NS and not self._was_full:
+            # The thread came late, and less was sent than might have been.
+            self.idle()
+        self._was_full = False
         gain = self._gain(now_ns)
         takes_ns = int(size_bytes * NS_PER_S / (self.capacity_bytes_per_s * gain))
         self.free_ns = max(self.free_ns, now_ns - _BURST_NS) + takes_ns
@@ -118,6 +144,7 @@ class DatagramWindow(Window):
         self._since_ns = now_ns if self.in_flight_bytes > 0 else None
         if newest is not None:
             self._take_trip(now_ns - newest.sent_ns, now_ns)
+            self._note_trip(now_ns - newest.sent_ns, now_ns)
             self._first_sent_ns = newest.sent_ns
             self._sample(newest, now_ns)
         self._arrived_ns = now_ns
@@ -134,6 +161,22 @@ class DatagramWindow(Window):
         """Note that nothing of what is lost is waited for."""
         if self.in_flight_bytes <= 0:
             self._since_ns = None
+
+    def _note_trip(self, trip_ns: int, now_ns: int) -> None:
+        self._trips_ns.append(trip_ns)
+        if len(self._trips_ns) >= _TRIPS:
+            self._mean_trip_ns = self._means.add(sum(self._trips_ns) // len(self._trips_ns), now_ns)
+            self._trips_ns.clear()
+
+    @property
+    def _ahead_s(self) -> float:
+        mean_ns = self._mean_trip_ns
+        if mean_ns is None or self._trip.is_draining:
+            return super()._ahead_s
+        # Half of what jitter takes longer would else be time in which nothing may go.
+        is_probe = _PHASES[self._phase] > 1
+        gain = _GROWING if self.is_growing else _PROBE_AHEAD if is_probe else _AHEAD
+        return (gain * mean_ns + self.acknowledge_period_ns) / NS_PER_S
 
     def _gain(self, now_ns: int) -> float:
         if now_ns >= self._phase_end_ns:

@@ -20,7 +20,7 @@ from smarttestudo.link.protocol.chunks import (
 )
 from smarttestudo.link.protocol.fates import Ends, Fates
 from smarttestudo.link.protocol.outgoing_stream import Encode, OutgoingMessage, OutgoingStream, SentMessage
-from smarttestudo.link.protocol.repair import SentParts
+from smarttestudo.link.protocol.repair import PART_BYTES, SentParts
 from smarttestudo.pacing.coded_video import VideoFrame, VideoGroup
 
 MAX_QUEUED_BYTES = 1_000_000
@@ -141,6 +141,10 @@ class Outbox:
     def is_empty(self) -> bool:
         return not self._active
 
+    def is_next_small(self, now_ns: int) -> bool:
+        """Whether what goes next in a session by datagrams ends a message; something must wait."""
+        return self._first(now_ns).next_message.rest_bytes <= PART_BYTES
+
     def next_chunk(self, session: int, body_bytes: int, now_ns: int) -> Chunk | None:
         """The chunk that goes next, with at most ``body_bytes`` of its message."""
         if not self._active:
@@ -177,6 +181,7 @@ class Outbox:
         if self._parts is not None:
             for sent in self._parts.acknowledge(received, now_ns):
                 self._deliver(sent)
+            self._rest_idle()
             return
         total_bytes = received.received_bytes
         while self._under_way and self._under_way[0][0] <= total_bytes:
@@ -231,6 +236,7 @@ class Outbox:
         for sent in parts.gone(now_ns):
             sent.stream.lose(sent)
             self.fates.give_up(sent.message)
+        self._rest_idle()
 
     @property
     def wake_ns(self) -> int | None:
@@ -323,13 +329,16 @@ class Outbox:
         """A message was delivered: what waits for it may be sent, and it is not missed."""
         sent.message.origin = None
         self.fates.on_arrival()
-        if not sent.stream.has_work:
-            self._active.pop(sent.stream.number, None)
         if sent.stream.number == CONTROL_STREAM:
             for stream in self._streams.values():
                 if stream.announcement is sent.message:
                     stream.announcement = None
                     self._activate(stream)
+
+    def _rest_idle(self) -> None:
+        """Serve no stream of which all that was to be sent again has arrived, or was given up."""
+        for number in [number for number, stream in self._active.items() if not stream.has_work]:
+            del self._active[number]
 
     def _activate(self, stream: OutgoingStream) -> None:
         """Have a stream served, if it has anything to send and its announcement has arrived."""

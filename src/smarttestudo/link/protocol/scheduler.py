@@ -182,7 +182,9 @@ class Scheduler(Generic[_Request]):
         if self.outbox.is_empty:
             self._note_idle(now_ns)
             return None
-        if not window.has_room or now_ns < window.free_ns:
+        if not window.may_send(now_ns, is_small=self.outbox.is_next_small(now_ns)):
+            if not window.has_room:
+                window.limited()
             return None
         chunk = self.outbox.next_chunk(self.session, 0, now_ns)
         assert chunk is not None
@@ -205,7 +207,9 @@ class Scheduler(Generic[_Request]):
     def has_next(self, now_ns: int) -> bool:
         """Whether ``next_chunk`` or ``next_grant`` may give something."""
         if not self.outbox.is_empty and self._may_send(now_ns):
-            if self.window.has_room and now_ns >= self._free_ns:
+            if isinstance(self.window, DatagramWindow):
+                return self.window.may_send(now_ns, is_small=self.outbox.is_next_small(now_ns))
+            if self.window.has_room:
                 return True
             self.window.limited()
         return not self.requests.is_empty

@@ -48,7 +48,7 @@ STATUS_STREAM = StreamInfo(
     topic=STATUS_TOPIC, type_name="std_msgs/msg/String", qos=Qos(reliable=True, transient_local=True, depth=1)
 )
 """The stream as which statuses arrive."""
-_ASK_AGAIN_NS = 10 * NS_PER_S
+_LONGEST_AGAIN_NS = 16 * NS_PER_S
 _STATUS_NUMBER = 0
 """No stream of the robot's end has it."""
 
@@ -62,8 +62,9 @@ class _Robot:
     is_present: bool = True
     reported_ns: int = 0
     """When it was last reported over the reliable link."""
-    asked_ns: int | None = None
-    """When a key for datagrams was last asked for."""
+    ask_ns: int = 0
+    """When to ask for a key for datagrams."""
+    again_ns: int = NS_PER_S
     lock: threading.Lock = field(default_factory=threading.Lock)
 
 
@@ -164,17 +165,12 @@ class OperatorEnd:
             self._arrivals.put(found)
 
     def _ask_for_datagrams(self, robot: _Robot, now_ns: int) -> None:
-        """Ask for a key, and again where no datagram comes; an older robot's end does not answer."""
+        """Ask for a key until a datagram comes, ever later: an older robot's end does not answer."""
         datagrams, boot = self._datagrams, robot.boot
-        if datagrams is None or (
-            robot.asked_ns is not None
-            and (now_ns - robot.asked_ns < _ASK_AGAIN_NS or robot.receiver.is_by_datagrams)
-        ):
+        peer = None if datagrams is None else datagrams.peer(boot.key)
+        if datagrams is None or now_ns < robot.ask_ns or (peer is not None and peer.address is not None):
             return
-        peer = datagrams.peer(boot.key)
-        if peer is not None and peer.address is not None and robot.asked_ns is not None:
-            return
-        robot.asked_ns = now_ns
+        robot.ask_ns, robot.again_ns = now_ns + robot.again_ns, min(2 * robot.again_ns, _LONGEST_AGAIN_NS)
         request = DatagramRequest(receiver=self._receiver, version=DATAGRAM_VERSION, port=datagrams.port)
 
         def answered(reply: Reply) -> None:
@@ -232,8 +228,10 @@ class OperatorEnd:
                 return
             else:
                 robot.is_present = is_present
-                # Where it comes back from, others may see it at another place, or not at all.
-                robot.asked_ns = None
+                if self._datagrams is not None and is_present:
+                    # It may be at another place now.
+                    self._datagrams.remove(boot.key)
+                    robot.ask_ns, robot.again_ns = 0, NS_PER_S
         if robot is None:
             return
         self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
