@@ -799,7 +799,8 @@ export interface LevelsRequest {
  *
  * `capacity_kb_per_s` is what the link carries, `round_trip_ms` the least of the last seconds,
  * `outages` how often nothing arrived at the operator's end for more than a second and four round trips,
- * whether its connection was cut or it was started anew. `sessions` counts how often an operator's end
+ * whether its connection was cut or it was started anew. Where it goes `by_datagrams`, `lost_percent` of
+ * them were lost in the last minute. `sessions` counts how often an operator's end
  * joined that may lack what was sent before. All operator's ends that are there reckon the topics in
  * `predicted` where they are told how; `operators` are their numbers. `sent_bytes` were put on the
  * link since the start; for `silent_s` nothing of them is known to have arrived at an operator's end.
@@ -809,6 +810,8 @@ export interface LinkState {
   capacity_kb_per_s: number | null;
   round_trip_ms: number | null;
   outages: number;
+  datagrams: boolean;
+  lost_percent: number | null;
 }
 
 /**
@@ -1802,6 +1805,9 @@ export interface TopicOnLink {
   overflowed: number;
   queued_bytes: number;
   losing: boolean;
+  repaired: number;
+  lost_replaced: number;
+  lost_late: number;
   age_ms: number | null;
 }
 

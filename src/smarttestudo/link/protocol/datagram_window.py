@@ -29,7 +29,7 @@ _GROWTH = 1.1
 _FULL_ROUNDS = 3
 """After so many rounds without that it is full."""
 _FALL = 0.7
-_SMALL_NS = 20 * NS_PER_MS
+_SMALL_NS = 15 * NS_PER_MS
 """How much of the link small messages may take in advance, so that they wait for no part of a large one."""
 _LEAST_BYTES_PER_S = 5_000.0
 """No radio that is worth a session carries less, however much it loses."""
@@ -124,7 +124,7 @@ class DatagramWindow(Window):
         self.sent_bytes += size_bytes
         if self._since_ns is None:
             self._since_ns = now_ns
-        if now_ns - self.free_ns > _BURST_NS and not self._was_full:
+        if now_ns - self.free_ns > 2 * _BURST_NS and not self._was_full:
             # The thread came late, and less was sent than might have been.
             self.idle()
         self._was_full = False

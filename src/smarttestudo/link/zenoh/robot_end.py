@@ -145,6 +145,10 @@ class RobotEnd:
             request = DATAGRAM_REQUESTS.from_bytes(query.data)
             if request.version != DATAGRAM_VERSION:
                 raise LinkError(f"datagrams have version {DATAGRAM_VERSION} here, not {request.version}")
+            if request.port is None and datagrams.port is None:
+                # Both connect to a router, and neither knows where the other is.
+                query.drop()
+                return
             offer = datagrams.offer(str(request.receiver), DATAGRAM_VERSION, request.port)
             query.reply(DATAGRAM_OFFERS.to_bytes(offer))
 
