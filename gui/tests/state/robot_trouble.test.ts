@@ -4,7 +4,14 @@ import { expect, test } from "vitest";
 import type { HealthWords, LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
 import { byTrouble, followersOf, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
 
-const LINK: LinkState = { connected: true, capacity_kb_per_s: 231.5, round_trip_ms: 24.4, outages: 1 };
+const LINK: LinkState = {
+  connected: true,
+  capacity_kb_per_s: 231.5,
+  round_trip_ms: 24.4,
+  outages: 1,
+  datagrams: false,
+  lost_percent: null,
+};
 const RULES: RulesInForce = {
   files: ["/etc/testudo/patrol.adirf"],
   sha256: "ab".repeat(32),
@@ -100,6 +107,7 @@ test.each<[Project, string | null]>([
 test.each<[Partial<LinkState>, string]>([
   [{}, "232 KB/s, round trip 24 ms, 1 outage"],
   [{ capacity_kb_per_s: null, round_trip_ms: null, outages: 0 }, "not the limit, 0 outages"],
+  [{ datagrams: true, lost_percent: 7.9 }, "232 KB/s, round trip 24 ms, 1 outage, datagrams: 7.9 % lost"],
   [{ connected: false }, "no operator connected"],
 ])("a link with %j is said in words", (changes, words) => {
   expect(linkWords({ ...LINK, ...changes })).toBe(words);
