@@ -271,7 +271,7 @@ class ReceivedSessions:
         return span
 
     def refuse(self, span: LostSpan) -> None:
-        """What came there counts as lost after all."""
+        """Count a chunk that came there as lost after all."""
         at = bisect(self._lost, span)
         before, behind = self._lost[:at], self._lost[at:]
         if before and before[-1].until_bytes >= span.after_bytes:

@@ -45,7 +45,7 @@ _TRIPS_WINDOW_NS = 10 * NS_PER_S
 _MOST_ROUND_NS = 200 * NS_PER_MS
 
 
-class Sending(NamedTuple):
+class DatagramState(NamedTuple):
     """The state of the window as a datagram was sent.
 
     So much ``arrived_bytes`` had arrived, the last of it at ``arrived_ns``, which was sent at
@@ -117,7 +117,7 @@ class DatagramWindow(Window):
         """Note that there is more to send than room."""
         self._was_full = True
 
-    def sent_datagram(self, size_bytes: int, now_ns: int) -> Sending:
+    def sent_datagram(self, size_bytes: int, now_ns: int) -> DatagramState:
         """Count a datagram; the state that tells of the link once it arrives."""
         if not self.in_flight_bytes:
             self._arrived_ns = self._first_sent_ns = now_ns
@@ -132,9 +132,11 @@ class DatagramWindow(Window):
         takes_ns = int(size_bytes * NS_PER_S / (self.capacity_bytes_per_s * gain))
         self.free_ns = max(self.free_ns, now_ns - _BURST_NS) + takes_ns
         is_limited = self.acknowledged_bytes >= self._idle_until_bytes
-        return Sending(now_ns, self.acknowledged_bytes, self._arrived_ns, self._first_sent_ns, is_limited)
+        return DatagramState(
+            now_ns, self.acknowledged_bytes, self._arrived_ns, self._first_sent_ns, is_limited
+        )
 
-    def arrived(self, size_bytes: int, newest: Sending | None, now_ns: int) -> None:
+    def arrived(self, size_bytes: int, newest: DatagramState | None, now_ns: int) -> None:
         """Datagrams of so many bytes arrived; ``newest`` is of the one sent last of all, if it is there."""
         self._size_bytes = None
         self.acknowledged_bytes += size_bytes
@@ -188,7 +190,7 @@ class DatagramWindow(Window):
     def _phase_ns(self) -> int:
         return max(_LEAST_PHASE_NS, self._least_trip_ns + self.acknowledge_period_ns)
 
-    def _sample(self, newest: Sending, now_ns: int) -> None:
+    def _sample(self, newest: DatagramState, now_ns: int) -> None:
         """Learn from what arrived since ``newest`` was sent."""
         span_ns = max(newest.sent_ns - newest.first_sent_ns, now_ns - newest.arrived_ns)
         if span_ns < max(self._least_trip_ns // 2, NS_PER_MS) or self._trip.is_draining:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What both ends say about datagrams: who asks for a key, the key, and whether they come through."""
+"""Messages of both ends about datagrams: who asks for a key, the key, and whether they come through."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ class SentMessage:
     whole_ns: int | None = None
     """When its last part was sent first."""
     was_repaired: bool = False
-    given_up: GivenUp | None = None
+    given_up: LossReason | None = None
     is_over: bool = False
 
     @property
@@ -88,7 +88,7 @@ class SentMessage:
         return len(self.arrived) == self.parts
 
 
-class GivenUp(Enum):
+class LossReason(Enum):
     """Why a message of which parts were lost is not sent again."""
 
     REPLACED = "replaced"
@@ -140,7 +140,7 @@ class OutgoingStream:
 
     def lose(self, sent: SentMessage) -> None:
         """Count a message that was given up and did not arrive."""
-        if sent.given_up is GivenUp.REPLACED:
+        if sent.given_up is LossReason.REPLACED:
             self.lost_replaced += 1
         else:
             self.lost_late += 1

@@ -19,9 +19,14 @@ from smarttestudo.link.protocol.chunks import (
     Acknowledgement,
     Chunk,
 )
-from smarttestudo.link.protocol.datagram_window import DatagramWindow, Sending
+from smarttestudo.link.protocol.datagram_window import DatagramState, DatagramWindow
 from smarttestudo.link.protocol.fates import Ends
-from smarttestudo.link.protocol.outgoing_stream import GivenUp, OutgoingMessage, OutgoingStream, SentMessage
+from smarttestudo.link.protocol.outgoing_stream import (
+    LossReason,
+    OutgoingMessage,
+    OutgoingStream,
+    SentMessage,
+)
 
 DATAGRAM_BYTES = 1_168
 """The largest chunk that goes as a datagram: sealed, 1200 bytes, which every path takes (RFC 9000, 14)."""
@@ -46,7 +51,7 @@ class _Part:
     sent: SentMessage
     offset: int
     size_bytes: int
-    sending: Sending
+    sending: DatagramState
 
     @property
     def sent_ns(self) -> int:
@@ -233,7 +238,7 @@ class SentParts:
             return
         for sent in [one for one in self._open if one.stream is stream]:
             sent.message.is_kept = False
-            self._give_up(sent, GivenUp.LATE, now_ns)
+            self._give_up(sent, LossReason.LATE, now_ns)
 
     def keeps(self, stream: OutgoingStream) -> bool:
         """Whether something of a stream may be sent until it arrives."""
@@ -315,16 +320,16 @@ class SentParts:
             self._give_up(sent, why, now_ns)
         return why is None
 
-    def _why_not(self, sent: SentMessage, now_ns: int) -> GivenUp | None:
+    def _why_not(self, sent: SentMessage, now_ns: int) -> LossReason | None:
         """Why a message is not sent again; ``None`` while it is wanted."""
         if sent.is_in_order or sent.whole_ns is None:
             return None
         turns = self._turns[sent.stream]
         if sent.turn < (turns.newest_whole if sent.parts == 1 else turns.newest_arrived):
-            return GivenUp.REPLACED
-        return GivenUp.LATE if now_ns - sent.whole_ns > _LATE_NS + 4 * self._least_trip_ns else None
+            return LossReason.REPLACED
+        return LossReason.LATE if now_ns - sent.whole_ns > _LATE_NS + 4 * self._least_trip_ns else None
 
-    def _give_up(self, sent: SentMessage, why: GivenUp, now_ns: int) -> None:
+    def _give_up(self, sent: SentMessage, why: LossReason, now_ns: int) -> None:
         sent.given_up = why
         sent.missing.clear()
         if sent in sent.stream.repairs:

@@ -93,7 +93,7 @@ class Locator:
 
 
 def datagram_locators(options: LinkOptions, endpoints: Sequence[str]) -> list[Locator]:
-    """Those of ``endpoints`` beside which datagrams go.
+    """The places of ``endpoints`` beside which datagrams go.
 
     None goes between programs of one machine, where nothing is lost, unless a port is given for that.
     """
