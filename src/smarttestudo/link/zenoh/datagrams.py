@@ -65,7 +65,7 @@ class Seal:
         return head + self._cipher.encrypt(_NONCE.pack(self._own, number), data, head)
 
     def open(self, datagram: bytes) -> tuple[bytes, bool] | None:
-        """The text that was sealed, and whether it is the newest; ``None`` if it is of nobody, or came before."""
+        """The text that was sealed, and whether it is the newest; ``None`` where nobody has the seal."""
         head = datagram[: _HEAD.size]
         _, number = _HEAD.unpack(head)
         try:
