@@ -36,7 +36,9 @@ MAX_RECEIVERS = 64
 HOLD_NS = 10 * NS_PER_S
 """For so long a session goes on before datagrams are tried again."""
 _FAST_BYTES_PER_S = 5_000_000.0
-"""A link that carries so much and loses nothing is a wire, where large chunks take less CPU."""
+"""A link that carries so much and loses little is a wire, where large chunks take less CPU."""
+_LOSSY = 0.01
+"""A radio loses a larger share; what a wire loses, its queues overflowed."""
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _Request = TypeVar("_Request")
@@ -369,8 +371,8 @@ class LinkSender(Generic[_Request]):
         """Whether the receiver that is served, and no other, is there, and has them come through."""
         if self._receiver not in self._datagrams_to or self._receivers.present(now_ns) != {self._receiver}:
             return False
-        is_wire = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
-        return not is_wire or self.scheduler.losses.at(now_ns) > 0
+        is_fast = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
+        return not is_fast or self.scheduler.losses.at(now_ns) > _LOSSY
 
     def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
         """Whether what is lost is of this session, and it is not the first second of it."""
