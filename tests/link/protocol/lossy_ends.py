@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
-from link.protocol.simulated_link import MS, Ends, Link, S
+from link.protocol.simulated_link import MS, Ends, Link, Source
 from smarttestudo.link.protocol.messages import REPORTS, Announcement, Report
 
 HEAD_BYTES = 60
@@ -133,10 +133,7 @@ class LossyEnds(Ends):
         self._report_soon(now_ns)
 
 
-def lossy_ends(profile: Profile, sources: Sequence, seed: int = 1, **more: object) -> LossyEnds:
+def lossy_ends(profile: Profile, sources: Sequence[Source], seed: int = 1) -> LossyEnds:
     """Both ends over a radio that is alike either way; the reliable link beside it loses nothing."""
     link = Link(((0.0, profile.mbit_per_s * 125_000),), profile.delay_ms / 1_000)
-    return LossyEnds(link, sources, up=Radio(profile, seed), down=Radio(profile, seed + 1), **more)
-
-
-assert S == 1_000 * MS
+    return LossyEnds(link, sources, up=Radio(profile, seed), down=Radio(profile, seed + 1))

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import pytest
 from hypothesis import given, settings
@@ -97,7 +98,7 @@ def test_sessions_that_change_how_they_go_lose_nothing(
     ends = lossy_ends(profile, SOURCES, seed)
     for place, tenth in enumerate(sorted(switches)):
         receiver = frozenset({7} if place % 2 else ())
-        ends.at(tenth * 100 * MS, lambda _now_ns, to=receiver: ends.sender.allow_datagrams(to))
+        ends.at(tenth * 100 * MS, partial(_allow, ends, receiver))
     run(ends)
     for source in SOURCES:
         arrived = numbers(ends, source.topic)
@@ -142,13 +143,17 @@ parts = st.lists(st.integers(0, 30), min_size=1, max_size=120)
 
 @given(parts, st.integers(1, 1_168))
 def test_what_is_acknowledged_has_arrived(order: list[int], size_bytes: int) -> None:
-    sessions, seen = ReceivedSessions(), set()
+    sessions, seen = ReceivedSessions(), set[int]()
     for place in order:
         span = sessions.on_datagram(_chunk(place * size_bytes), size_bytes)
         assert (span is not None) == (place not in seen)
         seen.add(place)
         acknowledged = {one for one in range(31) if sessions.newest.has((one + 1) * size_bytes)}
         assert acknowledged == seen
+
+
+def _allow(ends: LossyEnds, receivers: frozenset[int], _now_ns: int) -> None:
+    ends.sender.allow_datagrams(receivers)
 
 
 def _chunk(offset_bytes: int) -> Chunk:

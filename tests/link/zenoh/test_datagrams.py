@@ -8,6 +8,7 @@ import random
 import socket
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -59,7 +60,7 @@ def test_what_was_changed_cut_or_sent_back_opens_nowhere(text: bytes, data: st.D
 
 @given(st.lists(st.integers(0, 3 * WINDOW), max_size=200))
 def test_each_number_is_taken_once_and_none_that_is_too_old_to_know(numbers: list[int]) -> None:
-    window, seen = ReplayWindow(), set()
+    window, seen = ReplayWindow(), set[int]()
     for number in numbers:
         is_known = number in seen or number <= max(seen, default=0) - WINDOW
         assert window.take(number) is not is_known
@@ -81,13 +82,13 @@ def both_ends(
 ) -> Iterator[tuple[RobotEnd, OperatorEnd]]:
     endpoint = free_endpoint()
     port = int(endpoint.rpartition(":")[2])
-    listening = {"listen": (endpoint,), "datagrams_port": port}
+    listening = LinkOptions(listen=(endpoint,), datagrams_port=port)
     # The other one sends from another port of this machine.
-    connecting = {"connect": (endpoint,), "datagrams_port": port + 20_000}
+    connecting = LinkOptions(connect=(endpoint,), datagrams_port=port + 20_000)
     of_robot, of_operator = (listening, connecting) if robot_listens else (connecting, listening)
     with ExitStack() as opened:
-        operator = LinkOptions(**of_operator, has_datagrams=operator_has)
-        robot = LinkOptions(**of_robot, has_datagrams=robot_has)
+        operator = replace(of_operator, has_datagrams=operator_has)
+        robot = replace(of_robot, has_datagrams=robot_has)
         if robot_listens:
             first = opened.enter_context(open_robot_end("r1", robot, refuse_warning))
             yield first, opened.enter_context(open_operator_end(operator, refuse_warning))

@@ -154,6 +154,8 @@ def test_the_node_says_how_its_link_does() -> None:
         "link_capacity_kb_per_s": "231.500",
         "link_round_trip_ms": "24.000",
         "link_outages": "2",
+        "link_datagrams": "false",
+        "link_lost_percent": "N/A",
     }
 
 
