@@ -202,6 +202,9 @@ def test_a_topic_says_how_it_does_on_the_link() -> None:
         "link_replaced": "20",
         "link_overflowed": "0",
         "link_queued_bytes": "1200",
+        "link_repaired": "0",
+        "link_lost_replaced": "0",
+        "link_lost_late": "0",
     }
 
 
