@@ -172,7 +172,6 @@ class Scheduler(Generic[_Request]):
             self._note_idle(now_ns)
             return None
         data = chunk.to_bytes()
-        self._chunk_bytes += len(data)
         self.window.sent(len(data), now_ns)
         self._note_sent(len(data), now_ns)
         return data
@@ -193,6 +192,7 @@ class Scheduler(Generic[_Request]):
         return data
 
     def _note_sent(self, size_bytes: int, now_ns: int) -> None:
+        self._chunk_bytes += size_bytes
         self.budget.sent(now_ns)
         self.requests.fill(size_bytes, now_ns, self.window)
         if self.outbox.is_empty:
