@@ -28,12 +28,12 @@ _LAST_DSCP = 63
 
 def _datagrams(value: ParameterValue) -> int | None:
     text = str(value)
-    if not text:
+    if text == "on":
         return None
-    if text == "off":
+    if text in ("", "off"):
         return OFF
     if not (text.isascii() and text.isdecimal() and 0 < int(text) <= _LAST_PORT):
-        raise OptionValueError(f"{text[:80]!r} is not a port from 1 to {_LAST_PORT}, or off")
+        raise OptionValueError(f"{text[:80]!r} is not a port from 1 to {_LAST_PORT}, on or off")
     return int(text)
 
 
@@ -97,11 +97,11 @@ INSECURE = Option(
 )
 DATAGRAMS = Option(
     flag="--datagrams",
-    metavar="PORT|off",
-    help="the UDP port for what is relayed, which radios lose less of so (default: the port of the "
-    "endpoint, on links to other machines); off: none",
+    metavar="PORT|on|off",
+    help="send what is relayed as datagrams (UDP) at that port, for radios that lose packets; both ends need "
+    "it; on: at the port of the endpoint, on links to other machines (default: off)",
     read=_datagrams,
-    default="",
+    default="off",
 )
 DSCP = Option(
     flag="--dscp",

@@ -165,7 +165,7 @@ def may_have_datagrams(options: LinkOptions, warn: Warn) -> bool:
         cause = "datagrams need the package cryptography"
         if options.datagrams_port is not None:
             raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error
-        warn(f"{cause}: what is relayed goes over the reliable link, as with --datagrams off")
+        warn(f"{cause}: what is relayed goes over the reliable link, as without --datagrams")
         return False
     return True
 
