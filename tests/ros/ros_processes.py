@@ -219,6 +219,10 @@ class SmallRobot:
         """A process with a node that rules act on; see ``acted_node.py``."""
         return self._start([str(FOLDER / "acted_node.py")])
 
+    def node_of_modes(self, role: str, *names: str) -> Process:
+        """A process of a robot with modes; see ``node_of_modes.py``."""
+        return self._start([str(FOLDER / "node_of_modes.py"), role, *names])
+
     def testudo_run(self, *arguments: str) -> Process:
         """``testudo run``."""
         return self._start(["-c", TESTUDO, "run", *self._on_path(arguments)])
