@@ -22,7 +22,7 @@ SECTIONS: Mapping[str, Sequence[str]] = {
     ),
     "On a robot": ("robot", "domain"),
     "Over a link": ("link",),
-    "Incidents": ("incidents", "loop"),
+    "Incidents": ("incidents", "actions", "loop"),
     "Recordings": ("bags", "replays", "accuracy", "report"),
     "From Python": ("api.py",),
     "The demo": ("simulation/demo", "simulation/simulate.py"),

@@ -293,7 +293,7 @@ def test_a_broken_rules_text_counts_as_a_broken_file(tmp_path: Path) -> None:
 
 
 def test_exit_refuses_to_start_without_valid_rules(broken: Path) -> None:
-    with pytest.raises(RuleFileError, match="expected a number"):
+    with pytest.raises(RuleFileError, match="expected a value"):
         run(broken, fallback="exit")
     with pytest.raises(RuleFileError, match="no rules are given"):
         run(fallback="exit")

@@ -33,7 +33,7 @@ export interface Age {
   unseen_s: number;
 }
 
-/** What rules may set and call by the profile: the parameters of each node, and services. */
+/** Parameters and services that the profile allows rules: the parameters of each node, and services. */
 export interface Allowed {
   parameters: Record<string, string[]>;
   calls: string[];
@@ -436,7 +436,7 @@ export interface FetchesAnswer {
   heard: string[];
 }
 
-/** What a field holds; the value is its name in JSON. */
+/** The content of a field; the value is its name in JSON. */
 export type FieldKind = "number" | "text" | "truth";
 
 /** The text of a file with its SHA-256, which a later PUT names. */

@@ -30,7 +30,7 @@ _TRUTHS = {"true": 1.0, "false": 0.0}
 
 
 def recorded_types(channels: Iterable[Channel] = ()) -> KnownTypes:
-    """What ``channels`` tell; types that they lack are those of ROS 2's standard packages.
+    """Types of ``channels``; those that they lack are those of ROS 2's standard packages.
 
     Definitions are read as they are asked for.
     """

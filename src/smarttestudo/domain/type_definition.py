@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What is known of a message type."""
+"""Fields and constants of a message type, as far as they are known."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ _INDEX = re.compile(r"\[(?:[^\]\"\\]|\"(?:[^\"\\]|\\.)*\")*\]")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KnownTypes:
-    """What is known beside rule files of topics and of types.
+    """Knowledge of topics and of types beside rule files.
 
     ``topics`` are there, in a recording or on a robot, each with its type, empty where that is not known;
     patterns match no others. ``declared`` are types that a profile says of topics, there or not.
@@ -38,7 +38,7 @@ class KnownTypes:
         return known or next(iter(conventional_types(topic)), "")
 
     def definition(self, type_name: str) -> TypeDefinition | None:
-        """What is known of a type; the constants of some standard ones are known anywhere."""
+        """Definition of a type, if it is known; the constants of some standard ones are known anywhere."""
         found, standard = self.definitions.get(type_name), STANDARD_TYPES.get(type_name)
         if found is None or standard is None or found.constants:
             return found or standard

@@ -412,7 +412,7 @@ class _Reader:
     def _counting(
         self, found: Sequence[_WrittenT], key: Callable[[_WrittenT], Hashable]
     ) -> tuple[_WrittenT, ...]:
-        """Those of ``found`` that no other with the same ``key`` beats by its standing."""
+        """Members of ``found`` that no other with the same ``key`` beats by its standing."""
         if all(one.topic == one.written for one in found):
             return tuple(found)
         best: dict[Hashable, tuple[bool, int]] = {}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What rules read of the machine, from files of the kernel."""
+"""Values of the machine that rules read, from files of the kernel."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class MachineVitals:
         return 100 * min(max(1 - idle_share, 0.0), 1.0)
 
     def _memory_percent(self) -> float:
-        """What is neither free nor could be freed at once."""
+        """Share of the memory that is neither free nor could be freed at once."""
         lines = (line.split() for line in (self._proc / "meminfo").read_text("ascii").splitlines())
         sizes = {words[0]: int(words[1]) for words in lines if len(words) > 1}
         total = sizes["MemTotal:"]
@@ -116,7 +116,7 @@ class MachineReader:
         self._is_asked.set()
 
     def take(self) -> Mapping[str, float | None] | None:
-        """What was read since the last call; ``None``: nothing."""
+        """Values that were read since the last call; ``None``: none."""
         values, self._values = self._values, None
         return values
 

@@ -38,7 +38,7 @@ PUSHED = "rules_text"
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompiledAnew:
-    """What became of the rules ``before`` with what is known now, or why nothing did."""
+    """The rules ``before``, compiled with what is known now, or why they were not."""
 
     before: LiveRules
     rules: LiveRules | None = None
@@ -227,7 +227,7 @@ class RuleWatch:
         self._to_compile = rules
 
     def compiled(self) -> Iterator[CompiledAnew]:
-        """What was compiled anew since the last call, where that changed anything."""
+        """Rules that were compiled anew since the last call, where that changed anything."""
         with suppress(Empty):
             while True:
                 yield self._compiled.get_nowait()

@@ -29,7 +29,7 @@ _WITHOUT_LINK = "the rules read @link, which is unknown without a link: --link o
 
 
 class LinkVitals:
-    """What rules read of a link."""
+    """Values of a link that rules read."""
 
     def __init__(self) -> None:
         self._sent: tuple[int, int] | None = None

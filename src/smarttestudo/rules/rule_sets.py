@@ -113,7 +113,7 @@ def sha256_of_rules(text: str) -> str:
 
 
 def known_types(found: KnownTypes | None, profile: Profile | None) -> KnownTypes:
-    """What was ``found`` in a recording or on a robot, with the profile's word on types.
+    """Topics and types that were ``found`` in a recording or on a robot, with the profile's word on types.
 
     Where nothing was looked at, the topics of the profile are those that are there.
     """

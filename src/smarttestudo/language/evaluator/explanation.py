@@ -214,7 +214,7 @@ def _intervals(cuts: Sequence[Bound]) -> Iterator[tuple[Region, Region]]:
 
 
 def _other_texts(texts: Iterable[str], value: Value | None) -> Iterator[tuple[TextRegion, TextRegion]]:
-    """Each text that is compared with, and all that are not, without those that ``value`` is among."""
+    """Texts that are compared with, and all others, without the ones that ``value`` is among."""
     compared = frozenset(texts)
     regions = [TextRegion(frozenset((text,))) for text in sorted(compared)]
     for region in (*regions, TextRegion(compared, is_inverse=True)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What checks compare with: numbers, true and false, texts, and constants of message types."""
+"""The right side of checks: numbers, true and false, texts, and constants of message types."""
 
 from __future__ import annotations
 

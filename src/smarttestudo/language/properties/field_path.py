@@ -76,8 +76,8 @@ def part_reader(path: str) -> Callable[[object], object]:
         def read_elements(message: object) -> object:
             part = part_at(message, steps)
             if isinstance(part, list):
-                return [None if isinstance(each, Missing) else each for each in part]
-            return None if isinstance(part, Missing) else part
+                return [None if isinstance(each, Absence) else each for each in part]
+            return None if isinstance(part, Absence) else part
 
         return read_elements
     plain = [step for step in steps if isinstance(step, str | int)]
@@ -104,7 +104,7 @@ class EachElement(Enum):
     STEP = ANY
 
 
-class Missing(Enum):
+class Absence(Enum):
     """Why a message has no part at a path."""
 
     PART = "part"
@@ -136,15 +136,15 @@ def part_at(message: object, steps: Sequence[Step]) -> object:
     for number, step in enumerate(steps):
         before = part
         if isinstance(step, str):
-            part = getattr(part, step, Missing.PART)
+            part = getattr(part, step, Absence.PART)
         elif isinstance(step, int):
             part = _item(part, step)
         elif isinstance(step, ElementName):
             part = _named(around, part, step.text)
         else:
             return _each(part, steps[number + 1 :])
-        if part is None or isinstance(part, Missing):
-            return part or Missing.PART
+        if part is None or isinstance(part, Absence):
+            return part or Absence.PART
         around = before
     return part[0] if isinstance(part, bytes) and len(part) == 1 else part
 
@@ -161,7 +161,7 @@ def _item(value: object, index: int) -> object:
 
 def _each(array: Any, steps: Sequence[Step]) -> object:
     if not is_array(array):
-        return Missing.PART
+        return Absence.PART
     return [part_at(element, steps) for element in array] if steps else array
 
 
@@ -173,14 +173,14 @@ def is_array(part: object) -> bool:
 def _named(around: object, array: Any, name: str) -> object:
     """The first element of ``array`` called ``name``, by its own field or by the texts beside the array."""
     if not is_array(array):
-        return Missing.PART
+        return Absence.PART
     if len(array) and (hasattr(array[0], "name") or hasattr(array[0], "key")):
-        return next((element for element in array if name in _names(element)), Missing.ELEMENT)
+        return next((element for element in array if name in _names(element)), Absence.ELEMENT)
     names = getattr(around, "name", None)
     if not isinstance(names, Sequence) or isinstance(names, str):
-        return Missing.PART if len(array) else Missing.ELEMENT
+        return Absence.PART if len(array) else Absence.ELEMENT
     place = names.index(name) if name in names else len(array)
-    return array[place] if place < len(array) else Missing.ELEMENT
+    return array[place] if place < len(array) else Absence.ELEMENT
 
 
 def _names(element: object) -> Iterator[str]:

@@ -189,7 +189,7 @@ def known_only(type_name: str, path: str, read: Callable[[object], _T]) -> Calla
 
 
 def known_elements(type_name: str, path: str) -> Callable[[object], Callable[[Any], bool]] | None:
-    """What of the values of all elements, ``path`` with ``[*]``, a message says to be known.
+    """Tell which values of all elements, ``path`` with ``[*]``, a message says to be known.
 
     ``None``: all are.
     """

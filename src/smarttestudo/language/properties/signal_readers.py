@@ -13,9 +13,9 @@ from smarttestudo.domain.profile import LevelUnit
 from smarttestudo.domain.signal import MAX_TEXT_BYTES, Signal, SignalKind, Value, Values
 from smarttestudo.language.properties.field_path import (
     ANY,
+    Absence,
     EachElement,
     ElementName,
-    Missing,
     is_array,
     is_field_path,
     number,
@@ -51,7 +51,7 @@ def signal_reader(type_name: str, signal: Signal, level_unit: LevelUnit | None =
 
     def read(message: object) -> Values | None:
         part = part_at(message, steps)
-        return None if part is Missing.ELEMENT else convert(part)
+        return None if part is Absence.ELEMENT else convert(part)
 
     return known_only(type_name, name, read)
 
@@ -77,7 +77,7 @@ def _each_reader(type_name: str, path: str, convert: Callable[[object], Value]) 
 
     def read(message: object) -> Values | None:
         parts = part_at(message, steps)
-        if parts is Missing.ELEMENT:
+        if parts is Absence.ELEMENT:
             return None
         if not is_array(parts):
             return math.nan

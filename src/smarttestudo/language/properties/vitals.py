@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What checks read of the robot's computer and of its link."""
+"""Properties of the robot's computer and of its link."""
 
 from __future__ import annotations
 

@@ -299,7 +299,7 @@ def watched_topics(
 
 
 def watched_vitals(rule_set: RuleSet) -> Mapping[str, WatchedVitals]:
-    """What the checks of a rule set read of the machine and the link; nothing is known of it yet."""
+    """Vitals that the checks of a rule set read; nothing is known of them yet."""
     by_topic = _signals_by_topic(rule_set)
     return {source: WatchedVitals(read) for source, read in by_topic.items() if is_source(source)}
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What checks read of the machine and of the link."""
+"""Values of the machine and of the link that checks read."""
 
 from __future__ import annotations
 

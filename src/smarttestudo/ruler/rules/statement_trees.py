@@ -213,12 +213,12 @@ def _keep_within(one: KeepWithin, place: _Place) -> page.WithinStatement:
 
 
 def page_value(value: Compared) -> page.Compared:
-    """What a check compares with, in the words of the page."""
+    """The right side of a check, in the words of the page."""
     return value if isinstance(value, float) else value_text(value)
 
 
 def value_words(value: Value, compared: page.Compared) -> str:
-    """What was read for a check that compares with no number."""
+    """The right side that was read for a check that compares with no number."""
     if isinstance(value, str):
         return value
     is_truth = compared in ("true", "false")

@@ -23,7 +23,7 @@ _SMALL = frozenset({"int8", "uint8", "byte", "char", "octet"})
 
 
 class FieldKind(Enum):
-    """What a field holds; the value is its name in JSON."""
+    """The content of a field; the value is its name in JSON."""
 
     NUMBER = "number"
     TEXT = "text"

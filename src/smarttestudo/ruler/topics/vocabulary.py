@@ -85,7 +85,7 @@ class KnownVitals(Struct, frozen=True, kw_only=True):
 
 
 class Allowed(Struct, frozen=True, kw_only=True):
-    """What rules may set and call by the profile: the parameters of each node, and services."""
+    """Parameters and services that the profile allows rules: the parameters of each node, and services."""
 
     parameters: Mapping[str, tuple[str, ...]]
     calls: tuple[str, ...]
