@@ -185,7 +185,7 @@ def test_rules_that_were_edited_after_a_demo_are_those_of_the_next_one(
     again = run_testudo("demo", "--out", out, "--seconds", 3)
 
     assert (out / "warehouse.adirf").read_bytes() == edited
-    assert set(messages_of(out / "adaptive")) == {"/odom"}
+    assert set(messages_of(out / "adaptive")) == {"/odom", "/testudo/decisions"}
     assert "// mine" in (out / "report.html").read_text("utf-8")
     assert again.code == 0
     assert f"note: {out}/warehouse.adirf was edited: kept and used" in again.stderr
