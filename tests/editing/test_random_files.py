@@ -134,6 +134,9 @@ def test_what_is_exported_says_the_same_when_it_is_imported_into_an_empty_file(
     assert sorted(map(said, statements(again["document"]))) == sorted(map(said, exported))
 
 
+PLACE = frozenset({"comments", "id", "key", "offset", "end_offset", "line"})
+
+
 def said(statement: Any) -> str:
     """What a statement means, without its place."""
     match statement:
@@ -151,7 +154,7 @@ def said(statement: Any) -> str:
             durations = [statement["before"], statement["after"]]
             return f"record {statement['name']} {statement['topics']} {durations}"
         case _:
-            return f"set {statement['topic']} {statement['rate']}"
+            return str({key: value for key, value in statement.items() if key not in PLACE})
 
 
 def condition_said(condition: Any) -> str:

@@ -25,6 +25,7 @@ from smarttestudo.language.formatter import (
 from smarttestudo.language.parser.lexer import TokenKind
 from smarttestudo.language.parser.values import quoted
 from smarttestudo.language.syntax import (
+    NO_TRIVIA,
     Action,
     And,
     Block,
@@ -218,7 +219,10 @@ def _action(old: Action, new: Action, words: TokenRange) -> list[TextEdit]:
         return _set(old, new, words)
     if isinstance(old, RecordIncident) and isinstance(new, RecordIncident):
         return _record(old, new, words)
-    return [TextEdit(*words.places.range(old.span), format_statement(new).rstrip("\n"))]
+    if meaning(old) == meaning(new):
+        return []
+    bare = replace(new, trivia=NO_TRIVIA)
+    return [TextEdit(*words.places.range(old.span), format_statement(bare).rstrip("\n"))]
 
 
 def _record(old: RecordIncident, new: RecordIncident, words: TokenRange) -> list[TextEdit]:

@@ -20,12 +20,14 @@ REMOTE_POLL_PERIOD_S = 0.05
 ANSWER_WITHIN_S = 5.0
 # Clients of a service that is not used any more are kept no longer than this.
 _KEPT_S = 60.0
+_SETTLES_S = 0.25
 
 
 @dataclass(slots=True)
 class _Client:
     handle: Any
     used_s: float
+    ready_s: float | None = None
 
 
 @dataclass(slots=True, eq=False)
@@ -103,7 +105,7 @@ class ServiceClients:
         for request in [*self._requests]:
             if now_s >= request.until_s:
                 self._give_up(request)
-            elif request.future is None and request.client.handle.service_is_ready():
+            elif request.future is None and _is_settled(request.client, now_s):
                 self._send(request)
         busy = [request.client for request in self._requests]
         for key, client in [*self._clients.items()]:
@@ -182,6 +184,18 @@ class ServiceClients:
                 remedy=request.remedy,
             )
         )
+
+
+def _is_settled(client: _Client, now_s: float) -> bool:
+    """Whether the service is there, and has been for long enough to know of the client, too.
+
+    The middleware drops the answer to one that it does not know yet.
+    """
+    if not client.handle.service_is_ready():
+        client.ready_s = None
+    elif client.ready_s is None:
+        client.ready_s = now_s
+    return client.ready_s is not None and now_s >= client.ready_s + _SETTLES_S
 
 
 def _kinds(service: str) -> Mapping[str, Any]:
