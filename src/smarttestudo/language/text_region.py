@@ -26,11 +26,6 @@ class TextRegion:
         return TextRegion(frozenset(), is_inverse=True)
 
     @staticmethod
-    def nothing() -> TextRegion:
-        """No text."""
-        return TextRegion(frozenset())
-
-    @staticmethod
     def where(operator: Operator, text: str) -> TextRegion:
         """The texts that are ``text``, or with any other operator than ``=`` all others."""
         return TextRegion(frozenset((text,)), is_inverse=operator is not Operator.EQUAL)
@@ -52,10 +47,6 @@ class TextRegion:
         """Whether ``value`` is in it."""
         return (value in self.texts) is not self.is_inverse
 
-    def is_within(self, other: TextRegion) -> bool:
-        """Whether ``other`` holds all of it."""
-        return self.intersection(other.complement()).is_empty
-
     def complement(self) -> TextRegion:
         """The texts outside it."""
         return TextRegion(self.texts, is_inverse=not self.is_inverse)
@@ -67,10 +58,6 @@ class TextRegion:
         if self.is_inverse:
             return TextRegion(other.texts - self.texts)
         return TextRegion(self.texts - other.texts if other.is_inverse else self.texts & other.texts)
-
-    def union(self, other: TextRegion) -> TextRegion:
-        """The texts in either."""
-        return self.complement().intersection(other.complement()).complement()
 
     def sample(self) -> str:
         """A text in it; ``ValueError`` when it is empty."""
@@ -115,4 +102,6 @@ def common(first: SetOfValues, second: SetOfValues) -> SetOfValues:
 
 def is_part_of(first: SetOfValues, second: SetOfValues) -> bool:
     """Whether ``second``, a region of the same signal, holds all of ``first``."""
+    if isinstance(first, Region) and isinstance(second, Region):
+        return first.is_within(second)
     return common(first, second.complement()).is_empty
