@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from bisect import bisect_left
+from dataclasses import dataclass, field
 
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
@@ -28,24 +29,23 @@ class MarginRate:
     low_at: float
     high_at: float
 
-    @property
-    def rates(self) -> tuple[Rate, ...]:
-        """The rate of each step, rising."""
-        width_hz = self.high.hz - self.low.hz
-        between = (Rate(self.low.hz + width_hz * step / STEPS) for step in range(1, STEPS))
-        return self.low, *between, self.high
+    rates: tuple[Rate, ...] = field(init=False)
+    """The rate of each step, rising."""
+    cuts: tuple[Bound, ...] = field(init=False)
+    """Where the signal's value changes the step, rising."""
 
-    @property
-    def cuts(self) -> tuple[Bound, ...]:
-        """Where the signal's value changes the step, rising."""
-        width = self.high_at - self.low_at
-        ends = [self.low_at + width * step / STEPS for step in range(STEPS)]
+    def __post_init__(self) -> None:
+        """Compute once what each message of the signal needs."""
+        width_hz, width = self.high.hz - self.low.hz, self.high_at - self.low_at
+        between = (Rate(self.low.hz + width_hz * step / STEPS) for step in range(1, STEPS))
+        object.__setattr__(self, "rates", (self.low, *between, self.high))
         side = 1 if width > 0 else -1
-        return tuple(sorted((end, side) for end in ends))
+        ends = (self.low_at + width * step / STEPS for step in range(STEPS))
+        object.__setattr__(self, "cuts", tuple(sorted((end, side) for end in ends)))
 
     def step(self, value: float | None) -> int:
         """The place in ``rates`` of the rate for a value; the last for an unknown one."""
         if value is None or math.isnan(value):
             return STEPS
-        passed = sum(cut < (value, 0) for cut in self.cuts)
+        passed = bisect_left(self.cuts, (value, 0))
         return passed if self.high_at > self.low_at else STEPS - passed
