@@ -19,9 +19,6 @@ from smarttestudo.language.properties.field_path import ANY
 from smarttestudo.language.resolved_rules import ResolvedCheck
 from smarttestudo.language.syntax import Compared, Constant
 
-_TEXTS = frozenset({"string", "wstring"})
-_BOOL = "bool"
-
 
 @lint_rule("wrong-type", Severity.ERROR)
 def wrong_type(rules: RuleModel) -> Iterator[Found]:
@@ -33,10 +30,9 @@ def wrong_type(rules: RuleModel) -> Iterator[Found]:
     for check in rules.checks:
         field = _field(check, rules)
         value = check.syntax.value
-        if field is None or "/" in field.name or not isinstance(value, str | bool):
+        if field is None or field.is_message or not isinstance(value, str | bool):
             continue
-        wanted = _TEXTS if isinstance(value, str) else frozenset({_BOOL})
-        if field.name not in wanted:
+        if not (field.is_text if isinstance(value, str) else field.is_truth):
             message = f"{value_text(value)} is compared with {check.signal}, which is a {field.name} here"
             yield _found(check, message, right=_meant(value, field), hint="compare it with one of that type")
 
@@ -56,12 +52,12 @@ def _found(check: ResolvedCheck, message: str, *, right: str, hint: str) -> Foun
 
 def _meant(value: Compared, field: FieldType) -> str:
     """The value of the field's type that may be meant, as a rule file writes it."""
-    if field.name in _TEXTS:
+    if field.is_text:
         return value_text(str(value).lower())
     if isinstance(value, bool):
         return number_text(float(value))
     word = str(value).strip().casefold()
-    if field.name == _BOOL:
+    if field.is_truth:
         return word if word in ("true", "false") else ""
     try:
         return number_text(float(word))
@@ -73,7 +69,7 @@ def _field(check: ResolvedCheck, rules: RuleModel) -> FieldType | None:
     """The field that a check reads, where its topic's type is known for certain; an element of an array."""
     if is_source(check.signal.topic):
         spec = rules.context.spec_of(check.signal)
-        return None if spec is None else FieldType(name="number" if spec.unit else _BOOL)
+        return None if spec is None else FieldType(name="number" if spec.unit else "bool")
     if rules.context.known_type(check.signal.topic) is None:
         return None
     field = rules.context.types.field_at(check.signal.topic, check.syntax.property)

@@ -17,6 +17,21 @@ class FieldType:
     name: str
     is_array: bool = False
 
+    @property
+    def is_text(self) -> bool:
+        """Whether it, or each element, is a text."""
+        return self.name in ("string", "wstring")
+
+    @property
+    def is_truth(self) -> bool:
+        """Whether it, or each element, is true or false."""
+        return self.name in ("bool", "boolean")
+
+    @property
+    def is_message(self) -> bool:
+        """Whether it, or each element, has fields of its own."""
+        return "/" in self.name
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TypeDefinition:

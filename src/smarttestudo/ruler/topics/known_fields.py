@@ -10,7 +10,7 @@ from itertools import islice
 
 from msgspec import Struct
 
-from smarttestudo.domain.type_definition import TypeDefinition
+from smarttestudo.domain.type_definition import FieldType, TypeDefinition
 from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.properties.field_path import ANY
 
@@ -38,13 +38,13 @@ class KnownField(Struct, frozen=True, kw_only=True):
     words: tuple[str, ...] = ()
 
 
-def kind_of(type_name: str) -> FieldKind | None:
-    """The kind of a field of that type, ``None`` of one that is a message."""
-    if type_name in {"string", "wstring"}:
+def kind_of(field: FieldType) -> FieldKind | None:
+    """The kind of a field, ``None`` of one that is a message."""
+    if field.is_text:
         return FieldKind.TEXT
-    if type_name in {"bool", "boolean"}:
+    if field.is_truth:
         return FieldKind.TRUTH
-    return None if "/" in type_name else FieldKind.NUMBER
+    return None if field.is_message else FieldKind.NUMBER
 
 
 def known_fields(types: KnownTypes, type_name: str) -> tuple[KnownField, ...]:
@@ -57,9 +57,9 @@ def _fields(types: KnownTypes, type_name: str, before: str, depth: int) -> Itera
     if definition is None or depth == _DEEPEST:
         return
     for name, field in definition.fields.items():
-        kind = kind_of(field.name)
+        kind = kind_of(field)
         if kind is not None and not field.is_array:
-            yield KnownField(path=before + name, kind=kind, words=words_of(definition, name, field.name))
+            yield KnownField(path=before + name, kind=kind, words=words_of(definition, name, field))
         if kind is not None or field.name.startswith(_TIME) or field.name == _HEADER:
             continue
         # One element of any a path is what the language has.
@@ -69,12 +69,12 @@ def _fields(types: KnownTypes, type_name: str, before: str, depth: int) -> Itera
             yield from _fields(types, field.name, f"{before}{name}{ANY}.", depth + 1)
 
 
-def words_of(definition: TypeDefinition, name: str, type_name: str) -> tuple[str, ...]:
+def words_of(definition: TypeDefinition, name: str, field: FieldType) -> tuple[str, ...]:
     """The words that field ``name`` can be equal to: true and false, or the constants that belong to it."""
-    kind = kind_of(type_name)
+    kind = kind_of(field)
     if kind is FieldKind.TRUTH:
         return ("true", "false")
-    if kind is None or type_name.startswith(("float", "double")):
+    if kind is None or field.name.startswith(("float", "double")):
         return ()
     own = [
         constant
@@ -83,7 +83,7 @@ def words_of(definition: TypeDefinition, name: str, type_name: str) -> tuple[str
     ]
     begin = f"{name.upper()}_"
     named = tuple(constant for constant in own if constant.startswith(begin))
-    if named or (kind is FieldKind.NUMBER and type_name not in _SMALL):
+    if named or (kind is FieldKind.NUMBER and field.name not in _SMALL):
         return named
     others = tuple(f"{other.upper()}_" for other in definition.fields if other != name)
     return tuple(constant for constant in own if not constant.startswith(others))
