@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -12,7 +12,6 @@ from smarttestudo.checks.analysis import Analysis, analyse
 from smarttestudo.checks.context import CheckContext
 from smarttestudo.checks.wording import DefaultPlace, default_place
 from smarttestudo.domain.finding import Span
-from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import Truth
 from smarttestudo.language.normal_form import Resolve, merged, negation, over_states
 from smarttestudo.language.resolved_rules import (
@@ -28,20 +27,11 @@ from smarttestudo.language.resolved_rules import (
     resolve_rules,
 )
 from smarttestudo.language.syntax import (
-    Action,
-    Block,
-    KeepWithin,
-    RecordIncident,
     RuleFile,
-    SetFrequency,
-    Statement,
     TopicName,
 )
 from smarttestudo.language.syntax_walks import (
-    bounds_in,
-    checks_in,
-    records_in,
-    sets_in,
+    topic_names_in,
 )
 from smarttestudo.language.text_region import SetOfValues, common, is_part_of
 
@@ -154,24 +144,9 @@ def _checks(rules: ResolvedRules) -> tuple[ResolvedCheck, ...]:
 def _mentions(files: Sequence[RuleFile], resolve: Resolve) -> Mapping[str, Mention]:
     mentions: dict[str, Mention] = {}
     for file in files:
-        names = (name for statement in file.statements for name in _names_in(statement))
-        for name in (name for name in names if not name.is_pattern):
+        names = (name for statement in file.statements for name in topic_names_in(statement))
+        for name in names:
             topic = resolve(name.text)
             if topic not in mentions:
                 mentions[topic] = Mention(path=file.path, name=name)
     return mentions
-
-
-def _names_in(statement: Statement) -> Iterator[TopicName]:
-    if not isinstance(statement, Block):
-        yield statement.topic
-        return
-    named = (check.topic for check in checks_in(statement.condition))
-    yield from (topic for topic in named if not is_source(topic.text))
-    for side in (statement.then, statement.otherwise):
-        by_kind: tuple[Action, ...] = (*sets_in(side), *bounds_in(side), *records_in(side))
-        for action in side if statement.is_disabled else by_kind:
-            if isinstance(action, RecordIncident):
-                yield from action.topics
-            elif isinstance(action, SetFrequency | KeepWithin):
-                yield action.topic

@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import chain
 
 from smarttestudo.domain.finding import Span
+from smarttestudo.domain.names import is_source
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.syntax import (
     Act,
@@ -16,13 +18,16 @@ from smarttestudo.language.syntax import (
     Check,
     Condition,
     Group,
+    KeepAtLeast,
     KeepWithin,
+    Margin,
     Not,
     Or,
     RecordIncident,
     SetFrequency,
     Statement,
     Timed,
+    TopicName,
 )
 
 
@@ -104,3 +109,26 @@ def times_in(condition: Condition) -> Iterator[Timed]:
 def checks_in(condition: Condition) -> Iterator[Check]:
     """The checks of a condition, in their order."""
     return (part for part in conditions_in(condition) if isinstance(part, Check))
+
+
+def topic_names_in(statement: Statement) -> Iterator[TopicName]:
+    """The topics that a statement names, without patterns, machine and link; of a block its checks first."""
+    names: Iterable[TopicName] = _named_by(statement)
+    if isinstance(statement, Block):
+        names = [check.topic for check in checks_in(statement.condition)]
+        for side in (statement.then, statement.otherwise):
+            by_kind: Iterable[Action] = (*sets_in(side), *bounds_in(side), *records_in(side))
+            names += chain.from_iterable(map(_named_by, side if statement.is_disabled else by_kind))
+    return (name for name in names if not (name.is_pattern or is_source(name.text)))
+
+
+def _named_by(action: Statement | Action) -> tuple[TopicName, ...]:
+    match action:
+        case SetFrequency(margin=Margin() as margin):
+            return action.topic, margin.topic
+        case SetFrequency() | KeepAtLeast() | KeepWithin():
+            return (action.topic,)
+        case RecordIncident():
+            return action.topics
+        case _:
+            return ()

@@ -10,7 +10,6 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from smarttestudo.domain.names import is_source
 from smarttestudo.domain.profile import AccuracyTiers, Profile, TopicProfile
 from smarttestudo.domain.rate import Tier
 from smarttestudo.language.known_types import KnownTypes
@@ -24,8 +23,10 @@ from smarttestudo.language.properties import (
     properties_of,
 )
 from smarttestudo.language.properties.field_path import ANY
-from smarttestudo.language.syntax import Block, SetFrequency, Statement
-from smarttestudo.language.syntax_walks import bounds_in, checks_in, records_in, sets_in
+from smarttestudo.language.syntax import Block
+from smarttestudo.language.syntax_walks import (
+    topic_names_in,
+)
 from smarttestudo.optimizer.problem import interval_hz
 from smarttestudo.ruler.job import job
 from smarttestudo.ruler.topics.known_fields import FieldKind, KnownField, known_fields
@@ -230,7 +231,7 @@ def _property(spec: PropertySpec, tiers: AccuracyTiers | None, field: KnownField
 
 def topics_in(rules: ParseResult) -> set[str]:
     """All topics that the rules name."""
-    return {topic for statement in rules.file.statements for topic in _topics_of(statement)}
+    return {name.text for statement in rules.file.statements for name in topic_names_in(statement)}
 
 
 def _users(rules: ParseResult | None) -> dict[str, list[str]]:
@@ -238,26 +239,8 @@ def _users(rules: ParseResult | None) -> dict[str, list[str]]:
     users: dict[str, list[str]] = {}
     for statement in () if rules is None else rules.file.statements:
         label = statement.label if isinstance(statement, Block) else DEFAULT_USER
-        for topic in _topics_of(statement):
-            labels = users.setdefault(topic, [])
+        for topic in topic_names_in(statement):
+            labels = users.setdefault(topic.text, [])
             if label not in labels:
                 labels.append(label)
     return users
-
-
-def _topics_of(statement: Statement) -> set[str]:
-    """The topics that a statement names, without patterns, machine and link."""
-    if not isinstance(statement, Block):
-        names = [statement.topic]
-        if isinstance(statement, SetFrequency) and statement.margin is not None:
-            names.append(statement.margin.topic)
-    else:
-        actions = (*statement.then, *statement.otherwise)
-        names = [
-            *(one.topic for one in sets_in(actions)),
-            *(one.margin.topic for one in sets_in(actions) if one.margin is not None),
-            *(one.topic for one in bounds_in(actions)),
-            *(topic for one in records_in(actions) for topic in one.topics),
-            *(check.topic for check in checks_in(statement.condition)),
-        ]
-    return {name.text for name in names if not (name.is_pattern or is_source(name.text))}
