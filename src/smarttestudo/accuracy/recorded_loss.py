@@ -40,7 +40,7 @@ from smarttestudo.bags.comparison import compare_bags
 from smarttestudo.bags.measure import measure_bag
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.topic_selection import is_selected, select_topics
-from smarttestudo.bags.type_definitions import recorded_types
+from smarttestudo.bags.type_definitions import installed_types
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.profile import Profile
@@ -106,7 +106,7 @@ class LossMeasurement:
     def __init__(self, a: BagSummary, b: tuple[Path, BagSummary], question: LossQuestion) -> None:
         self._a, (self._path, self._b) = a, b
         if question.rule_set is not None:
-            found = replace(recorded_types(), topics={one.name: one.type_name for one in a.topics})
+            found = installed_types({one.name: one.type_name for one in a.topics})
             question = replace(question, rule_set=question.rule_set.by(found))
         self._question = question
         select_topics(tuple(question.mapping), a.statistics, place=a.name)

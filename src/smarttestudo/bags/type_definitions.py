@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, cast
 
@@ -36,6 +37,11 @@ def recorded_types(channels: Iterable[Channel] = ()) -> KnownTypes:
     """
     channels = tuple(channels)
     return KnownTypes(topics=types_of_topics(channels), definitions=_Definitions(channels))
+
+
+def installed_types(topics: Mapping[str, str]) -> KnownTypes:
+    """These topics with their types, as far as they are of ROS 2's standard packages."""
+    return replace(recorded_types(), topics=topics)
 
 
 def rules_for(

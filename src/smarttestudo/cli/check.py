@@ -27,7 +27,6 @@ from smarttestudo.domain.finding import Severity
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
 from smarttestudo.domain.record import to_json
-from smarttestudo.language.known_types import KnownTypes
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.resolved_rules import resolve_rules
 from smarttestudo.rules.findings import all_findings
@@ -61,10 +60,12 @@ def run(arguments: argparse.Namespace) -> int:
     results = [parse(text, path) for path, text in texts.items()]
     context = CheckContext(profile=profile, types=known_types(None, profile), has_all_files=not unreadable)
     if robot_topics is not None:
+        from smarttestudo.bags.type_definitions import installed_types  # noqa: PLC0415  most ask no robot
+
         context = replace(
             context,
             bag_topics=robot_topics,
-            types=known_types(_types_of_robot(robot_topics), profile),
+            types=known_types(installed_types(robot_topics), profile),
             topics_lack="the robot publishes no",
             topics_have="which the robot publishes",
         )
@@ -115,13 +116,6 @@ def _robot_topics(arguments: argparse.Namespace) -> Mapping[str, str] | None:
 
     with stop_signals() as stopped, open_link_robots(options, warn) as robots:
         return topics_of_robot(robots, arguments.robot, stopped)
-
-
-def _types_of_robot(topics: Mapping[str, str]) -> KnownTypes:
-    """The topics of a robot with their types as they are known here."""
-    from smarttestudo.bags.type_definitions import recorded_types  # noqa: PLC0415  as above
-
-    return replace(recorded_types(), topics=topics)
 
 
 def _with_recording(context: CheckContext, bag: Path, results: Sequence[ParseResult]) -> CheckContext:
