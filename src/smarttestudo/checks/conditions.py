@@ -25,7 +25,7 @@ from smarttestudo.language.formatter import (
     value_text,
     write_condition,
 )
-from smarttestudo.language.normal_form import Every, InRegion, signal_of
+from smarttestudo.language.normal_form import Every, InRegion, read_check
 from smarttestudo.language.parser.cursor import did_you_mean
 from smarttestudo.language.properties import PropertySpec
 from smarttestudo.language.properties.field_path import MESSAGE_PREFIX
@@ -329,7 +329,7 @@ def _fastest_source(timed: Timed, rules: RuleModel) -> tuple[str, float] | None:
     """The topic that changes the condition most often, and its Hz; ``None`` where that is not known."""
     found: tuple[str, float] | None = None
     for check in checks_in(timed):
-        signal = signal_of(check, rules.context.resolve)
+        signal = read_check(check, rules.context.resolve, rules.context.types).signal
         source_hz = rules.context.topic(signal.topic).source_hz
         if not source_hz or ArrivalProperty.of(signal) is not None:
             return None

@@ -146,7 +146,7 @@ def normal_form(
     """
     match condition:
         case Check():
-            within = _check_form(condition, resolve, types)
+            within = read_check(condition, resolve, types).form
             return InRegion(within.signal, within.region.complement()) if negated else within
         case Group():
             return normal_form(condition.operand, resolve, types, negated=negated)
@@ -217,11 +217,6 @@ def margin_signal(margin: Margin, resolve: Resolve) -> Signal:
     return Signal(name if is_source(name) else resolve(name), margin.property)
 
 
-def signal_of(check: Check, resolve: Resolve, types: KnownTypes = NO_TYPES) -> Signal:
-    """The signal that ``check`` reads."""
-    return read_check(check, resolve, types).signal
-
-
 def _compared(value: Compared, topic: str, path: str, types: KnownTypes) -> tuple[SignalKind, Value]:
     if isinstance(value, bool):
         return SignalKind.STATE, float(value)
@@ -240,10 +235,6 @@ def _read_property(check: Check, kind: SignalKind) -> str:
 
 def _region(operator: Operator, value: Value) -> SetOfValues:
     return TextRegion.where(operator, value) if isinstance(value, str) else Region.where(operator, value)
-
-
-def _check_form(check: Check, resolve: Resolve, types: KnownTypes) -> InRegion:
-    return read_check(check, resolve, types).form
 
 
 def _flat(joined: type[Every] | type[Some], parts: tuple[Form, ...]) -> Form:
