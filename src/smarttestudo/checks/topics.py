@@ -27,19 +27,25 @@ _IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedIm
 
 @lint_rule("unknown-property", Severity.WARNING)
 def unknown_property(rules: RuleModel) -> Iterator[Found]:
-    """A check reads a property that the topic's type does not have.
+    """A check, or a rate by a margin, reads a property that the topic's type does not have.
 
-    The check stays unknown: its block never decides, and as long as it is in doubt the topic gets the
-    higher of the rates. Types come from the profile or a recording; without those, a topic called
-    `/odom`, `/scan`, `/imu` and the like counts as the type that it usually has, in any namespace, and of
-    other topics a name without a dot gives the finding if no common type has it. `msg.` before a field of
-    a type of your own settles it.
+    The rate stays the higher one. The check stays unknown: its block never decides, and as long as it is in
+    doubt the topic gets the higher of the rates. Types come from the profile or a recording; without those, a
+    topic called `/odom`, `/scan`, `/imu` and the like counts as the type that it usually has, in any
+    namespace, and of other topics a name without a dot gives the finding if no common type has it. `msg.`
+    before a field of a type of your own settles it.
     """
     doubt_of = cache(partial(doubt_about, context=rules.context))
     for check in (*rules.checks, *rules.disabled_checks):
         doubt = doubt_of(Signal(check.signal.topic, check.syntax.property))
         if doubt is not None:
             yield found_in(check.path, check.syntax.property_span, doubt)
+    # A pattern sets several topics by one margin.
+    by_margin = {(rate.path, rate.span): rate for rates in rules.settings.values() for rate in rates}
+    for rate in by_margin.values():
+        doubt = None if rate.margin is None else doubt_of(rate.margin)
+        if doubt is not None and rate.statement.margin is not None:
+            yield found_in(rate.path, rate.statement.margin.property_span, doubt)
 
 
 @lint_rule("nothing-relayed", Severity.WARNING, needs_all_statements=True)
