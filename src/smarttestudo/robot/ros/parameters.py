@@ -154,7 +154,13 @@ class NodeParameterClients:
             got({name: plain_value(value) for name, value in zip(names, padded, strict=False)})
 
         self._clients.request(
-            GetParameters, f"{node}/get_parameters", request, answered, place=node, remedy=_REMEDY
+            GetParameters,
+            f"{node}/get_parameters",
+            request,
+            answered,
+            place=node,
+            remedy=_REMEDY,
+            is_repeated=True,
         )
 
     def set(self, node: str, values: Values, was_set: WasSet) -> None:

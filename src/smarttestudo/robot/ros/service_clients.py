@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -21,6 +22,7 @@ ANSWER_WITHIN_S = 5.0
 # Clients of a service that is not used any more are kept no longer than this.
 _KEPT_S = 60.0
 _SETTLES_S = 0.25
+_REPEAT_S = 1.0
 
 
 @dataclass(slots=True)
@@ -32,7 +34,10 @@ class _Client:
 
 @dataclass(slots=True, eq=False)
 class _Request:
-    """A request that was sent once ``future`` is there; ``answered`` takes the response or the error."""
+    """A request, with a future for each time that it was sent; the first answer counts.
+
+    ``answered`` takes the response or the error. One with a ``repeat_s`` is sent again then.
+    """
 
     client: _Client
     content: Any
@@ -40,7 +45,9 @@ class _Request:
     place: str
     remedy: str | None
     until_s: float
-    future: Any = None
+    is_repeated: bool
+    repeat_s: float = math.inf
+    futures: list[Any] = field(default_factory=list)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,10 +82,12 @@ class ServiceClients:
         *,
         place: str,
         remedy: str | None = None,
+        is_repeated: bool = False,
     ) -> None:
         """Ask ``service``, which is of ``kind``; ``answered`` is given the response or a ``RosError``, once.
 
-        ``place`` and ``remedy`` are those of the error where nothing answers.
+        ``place`` and ``remedy`` are those of the error where nothing answers. One that ``is_repeated`` is
+        sent again each second: on a busy machine, answers on Kilted were lost.
         """
         now_s = self._steady_s()
         client = self._clients.get((service, kind))
@@ -89,7 +98,8 @@ class ServiceClients:
             answered(error)
             return
         client.used_s = now_s
-        self._requests.append(_Request(client, content, answered, place, remedy, now_s + ANSWER_WITHIN_S))
+        until_s = now_s + ANSWER_WITHIN_S
+        self._requests.append(_Request(client, content, answered, place, remedy, until_s, is_repeated))
         self.poll()
 
     def call(self, service: str, *, argument: bool | None, called: Called) -> None:
@@ -105,8 +115,8 @@ class ServiceClients:
         for request in [*self._requests]:
             if now_s >= request.until_s:
                 self._give_up(request)
-            elif request.future is None and _is_settled(request.client, now_s):
-                self._send(request)
+            elif now_s >= request.repeat_s or (not request.futures and _is_settled(request.client, now_s)):
+                self._send(request, now_s)
         busy = [request.client for request in self._requests]
         for key, client in [*self._clients.items()]:
             if client.used_s + _KEPT_S < now_s and client not in busy:
@@ -161,22 +171,28 @@ class ServiceClients:
             except NameValidationException as error:
                 raise RosError("this is not the name of a node or a service", place=service) from error
 
-    def _send(self, request: _Request) -> None:
-        request.future = request.client.handle.call_async(request.content)
-        request.future.add_done_callback(partial(self._done, request))
+    def _send(self, request: _Request, now_s: float) -> None:
+        if request.is_repeated:
+            request.repeat_s = now_s + _REPEAT_S
+        future = request.client.handle.call_async(request.content)
+        request.futures.append(future)
+        future.add_done_callback(partial(self._done, request))
 
     def _done(self, request: _Request, future: Any) -> None:
         if request not in self._requests:
             return
-        self._requests.remove(request)
+        self._close(request)
         error = future.exception()
         response = future.result() if error is None else RosError(str(error), place=request.place)
         request.answered(response)
 
-    def _give_up(self, request: _Request) -> None:
+    def _close(self, request: _Request) -> None:
         self._requests.remove(request)
-        if request.future is not None:
-            request.client.handle.remove_pending_request(request.future)
+        for future in request.futures:
+            request.client.handle.remove_pending_request(future)
+
+    def _give_up(self, request: _Request) -> None:
+        self._close(request)
         request.answered(
             SilentNodeError(
                 f"the node did not answer within {ANSWER_WITHIN_S:g} s",
