@@ -3,6 +3,7 @@
 import * as Blockly from "blockly/core";
 import { DEFAULT_TYPES } from "./action_model";
 import { FOLDED } from "./model";
+import { scrollToBlock } from "./open_field";
 import { statementOf } from "./slots";
 
 type Block = Blockly.BlockSvg;
@@ -83,14 +84,6 @@ export class Column {
     this.shape = shape;
     const anchor = isMoved ? text.find((block) => this.placed.has(block)) : undefined;
     this.layOut(anchor);
-  }
-
-  /** Scrolls up or down to a block; a block that is wider than the view begins at its left edge. */
-  bringIntoView(block: Block): void {
-    const { top, bottom, left, right } = block.getBoundingRectangleWithoutChildren();
-    const { width } = this.workspace.getMetricsManager().getViewMetrics(true);
-    const begin = new Blockly.utils.Rect(top, bottom, left, Math.min(right, left + width - 2 * LEFT));
-    this.workspace.scrollBoundsIntoView(begin, LEFT);
   }
 
   /** Draws the first block there, as of another part of the text. */
@@ -201,7 +194,7 @@ export class Column {
     this.workspace.setResizesEnabled(true);
     Blockly.Events.enable();
     const [newest] = fresh.slice(-1);
-    if (newest) this.bringIntoView(newest);
+    if (newest) scrollToBlock(newest);
   }
 
   private drawHeadings(): void {

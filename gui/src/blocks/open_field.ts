@@ -30,14 +30,29 @@ export function openNext(field: Blockly.Field, isBackwards: boolean): void {
   openField(next ?? null);
 }
 
+const MARGIN = 24;
+
 /** A field that can be opened without a list that covers what is below it. */
 export interface QuietField {
   openQuietly(): void;
 }
 
-/** Puts the focus on a field and opens it to type into. */
+/** Scrolls up or down to a block; a block that is wider than the view begins at its left edge. */
+export function scrollToBlock(block: Blockly.BlockSvg): void {
+  const { top, bottom, left, right } = block.getBoundingRectangleWithoutChildren();
+  const { width } = block.workspace.getMetricsManager().getViewMetrics(true);
+  const begin = new Blockly.utils.Rect(top, bottom, left, Math.min(right, left + width - 2 * MARGIN));
+  block.workspace.scrollBoundsIntoView(begin, MARGIN);
+}
+
+/** Puts the focus on a field that is in sight then, and opens it to type into. */
 export function openField(field: Blockly.Field | null): void {
   if (field === null) return;
+  const block = field.getSourceBlock();
+  if (block instanceof Blockly.BlockSvg) {
+    Blockly.renderManagement.triggerQueuedRenders(block.workspace);
+    scrollToBlock(block);
+  }
   Blockly.getFocusManager().focusNode(field);
   if ("openQuietly" in field) (field as unknown as QuietField).openQuietly();
   else field.showEditor();

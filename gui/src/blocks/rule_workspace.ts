@@ -13,7 +13,7 @@ import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { FOLDED, fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme, NEW_RATE, NEW_RULE, newWorkspace, setReadOnly } from "./new_workspace";
-import { closeField, isElsewhere, isTyping, openField } from "./open_field";
+import { closeField, isElsewhere, isTyping, openField, scrollToBlock } from "./open_field";
 import {
   type ActedOn,
   actedOn,
@@ -163,7 +163,7 @@ export class RuleWorkspace {
     if (block === this.revealed) return;
     this.revealed = block;
     this.workspace.highlightBlock(block?.id ?? null);
-    if (block) this.column.bringIntoView(block);
+    if (block) scrollToBlock(block);
   }
 
   /** The block of the statement with this number; it is drawn unless blocks are ahead of the text. */
@@ -188,7 +188,7 @@ export class RuleWorkspace {
     const block = this.shownAt(index);
     if (!block || block.isDisposed()) return;
     Blockly.getFocusManager().focusNode(block);
-    this.column.bringIntoView(block);
+    scrollToBlock(block);
   }
 
   /** Waits until the text says what blocks say; whether they are still shown then. */
@@ -216,7 +216,7 @@ export class RuleWorkspace {
     if (!(await this.settled())) return;
     this.owner.folds.setAll(isFolded);
     const block = this.drawn.restart();
-    if (block) this.column.bringIntoView(block);
+    if (block) scrollToBlock(block);
     this.lookSoon();
   }
 
@@ -256,7 +256,7 @@ export class RuleWorkspace {
     this.shownAt(state.type === "adirf_rule" || rule < 0 ? all.length - 1 : rule);
     const block = Blockly.serialization.blocks.append(state, this.workspace) as Blockly.BlockSvg;
     this.column.add(block);
-    this.column.bringIntoView(block);
+    scrollToBlock(block);
     openField(
       block
         .getDescendants(true)

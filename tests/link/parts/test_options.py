@@ -41,7 +41,7 @@ def test_all_that_is_given_is_what_the_link_is_opened_with() -> None:
     settings = given(
         *("--link", "tls/a:1", "--link", "tls/b:1", "--link-listen", "tls/[::]:2", "--robot", "ada"),
         *("--accept", "/joy", "/cmd_vel", "--accept", "/goal", "--fetch-budget", "0", "--insecure"),
-        *("--zenoh-config", "link.json5"),
+        *("--zenoh-config", "link.json5", "--datagrams", "on", "--dscp", "46"),
     )
     assert robot_name(settings) == "ada"
     assert link_options(settings) == LinkOptions(
@@ -51,13 +51,15 @@ def test_all_that_is_given_is_what_the_link_is_opened_with() -> None:
         insecure=True,
         commands=("/joy", "/cmd_vel", "/goal"),
         fetch_budget_kb_per_s=0.0,
+        has_datagrams=True,
+        dscp=46,
     )
 
 
 def test_what_is_not_given_has_its_default() -> None:
     assert link_options(given()) is None
     assert link_options(given("--link", "tls/a:1")) == LinkOptions(
-        connect=("tls/a:1",), fetch_budget_kb_per_s=math.inf
+        connect=("tls/a:1",), fetch_budget_kb_per_s=math.inf, has_datagrams=False
     )
     assert robot_name(given())
 

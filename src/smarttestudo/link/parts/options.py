@@ -13,23 +13,34 @@ from smarttestudo.domain.link import command_topics
 from smarttestudo.domain.parameter import ParameterValue
 from smarttestudo.domain.profile import budget_kb_per_s
 from smarttestudo.link.zenoh.security import LinkOptions
-from smarttestudo.robot.option import Option, OptionValueError, Settings, is_true, optional, path, texts
+from smarttestudo.robot.option import (
+    Option,
+    OptionValueError,
+    Settings,
+    is_true,
+    number,
+    optional,
+    path,
+    texts,
+)
 
 
 def _accepted(value: ParameterValue) -> tuple[str, ...]:
     return command_topics(texts(value), ACCEPT.flag or "")
 
 
-OFF = 0
-"""No port: no datagrams."""
+OFF, ON = 0, -1
+"""No port: no datagrams, or those at the port of the endpoint."""
 _LAST_PORT = 65_535
 _LAST_DSCP = 63
 
 
-def _datagrams(value: ParameterValue) -> int | None:
+def _datagrams(value: ParameterValue) -> int:
+    if value in (OFF, ON):
+        return OFF if value == OFF else ON
     text = str(value)
     if text == "on":
-        return None
+        return ON
     if text in ("", "off"):
         return OFF
     if not (text.isascii() and text.isdecimal() and 0 < int(text) <= _LAST_PORT):
@@ -38,9 +49,10 @@ def _datagrams(value: ParameterValue) -> int | None:
 
 
 def _dscp(value: ParameterValue) -> int:
-    if not isinstance(value, int) or not 0 <= value <= _LAST_DSCP:
-        raise OptionValueError(f"{str(value)[:80]!r} is not a whole number from 0 to {_LAST_DSCP}")
-    return value
+    dscp = number("a class", 0, _LAST_DSCP)(value)
+    if not dscp.is_integer():
+        raise OptionValueError(f"{dscp} is not a whole number from 0 to {_LAST_DSCP}")
+    return int(dscp)
 
 
 LINK = Option(
@@ -132,7 +144,7 @@ def has_link(settings: Settings) -> bool:
 
 def datagrams_port(settings: Settings) -> int | None:
     """The port for datagrams, if one is given."""
-    return settings[DATAGRAMS] or None
+    return settings[DATAGRAMS] if settings[DATAGRAMS] > OFF else None
 
 
 def robot_name(settings: Settings) -> str:
