@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from made_demos import Ran, made_demo
-from simulation.demo.demo_runs import Messages, messages_of
+from simulation.demo.demo_runs import Messages, messages_of, robots_messages_of
 
 
 @pytest.fixture(scope="session")
@@ -29,4 +29,4 @@ def baseline(whole_demo: Ran, demo_out: Path) -> Messages:
 
 @pytest.fixture(scope="session")
 def adaptive(whole_demo: Ran, demo_out: Path) -> Messages:
-    return messages_of(demo_out / "adaptive")
+    return robots_messages_of(demo_out / "adaptive")

@@ -13,6 +13,7 @@ from rosbags.rosbag2 import Reader
 
 from made_demos import Ran
 from smarttestudo.cli.main import main
+from smarttestudo.domain.names import DECISIONS_TOPIC
 
 
 def run_testudo(*arguments: object) -> Ran:
@@ -32,6 +33,11 @@ def without_replay(ran: Ran) -> str:
 
 GOLDEN = Path(__file__).parent / "golden"
 Messages = dict[str, list[tuple[int, bytes]]]
+
+
+def robots_messages_of(bag: Path) -> Messages:
+    """Those of the robot's own topics, without what a replay decided."""
+    return {topic: found for topic, found in messages_of(bag).items() if topic != DECISIONS_TOPIC}
 
 
 def messages_of(bag: Path) -> Messages:

@@ -152,11 +152,11 @@ def test_the_folder_holds_what_the_screen_says(whole_demo: Ran, demo_out: Path) 
 
 
 def test_the_rules_left_in_the_folder_replay_to_the_same_recording(
-    whole_demo: Ran, demo_out: Path, adaptive: Messages, tmp_path: Path
+    whole_demo: Ran, demo_out: Path, tmp_path: Path
 ) -> None:
     _replay(demo_out, tmp_path / "own")
 
-    assert messages_of(tmp_path / "own") == adaptive
+    assert messages_of(tmp_path / "own") == messages_of(demo_out / "adaptive")
 
 
 @pytest.mark.full

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from made_demos import Ran, made_demo
-from simulation.demo.demo_runs import Messages, binned_hz, messages_of, run_testudo
+from simulation.demo.demo_runs import Messages, binned_hz, robots_messages_of, run_testudo
 
 UNCHANGED_BY_BLOCKS = ("/camera/image_raw", "/imu", "/joint_states", "/camera/camera_info")
 TABLES = {
@@ -25,7 +25,7 @@ def thesis_demo(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Ran]:
 
 @pytest.fixture(scope="module")
 def received(thesis_demo: tuple[Path, Ran]) -> Messages:
-    return messages_of(thesis_demo[0] / "adaptive")
+    return robots_messages_of(thesis_demo[0] / "adaptive")
 
 
 def _table(folder: Path, name: str) -> dict[str, dict[str, str]]:
