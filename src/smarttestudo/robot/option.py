@@ -28,9 +28,9 @@ class OptionValueError(ValueError):
 class Option(Generic[_Value_co]):
     """A setting: ``name`` is the parameter, ``flag`` the option of the command line, if there are such.
 
-    ``default`` is the value where nobody gives one. ``is_number``: a text on the command line is one.
-    ``is_shared``: other commands have it too, and add it by a function of theirs. ``is_list``: it may be
-    given several times, each time ``nargs`` values.
+    ``default`` is the value where nobody gives one. What ``read`` gave, it reads as the same. ``is_number``:
+    a text on the command line is one. ``is_shared``: other commands have it too, and add it by a function of
+    theirs. ``is_list``: it may be given several times, each time ``nargs`` values.
     """
 
     help: str
