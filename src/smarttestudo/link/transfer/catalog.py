@@ -86,7 +86,7 @@ class IncidentContent:
 
 
 class IncidentCatalog:
-    """The incidents in ``folder``, for one thread that opens them; ``known`` may be called by any."""
+    """The incidents in ``folder``, for one thread."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -102,11 +102,6 @@ class IncidentCatalog:
         incident = name.removesuffix(FILES)
         content = self._content(incident)
         return content if incident != name else _in_memory(PLANS.to_bytes(content.plan))
-
-    def known(self, name: str, version: bytes) -> Content | None:
-        """The bytes of files that were looked through lately, if this is still their version."""
-        known = self._contents.get(name.removesuffix(FILES)) if name.endswith(FILES) else None
-        return known if known is not None and known.version == version else None
 
     def _list(self) -> Sequence[RemoteIncident]:
         """The incidents whose records can be read, oldest first."""

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -103,6 +102,3 @@ def _check_part(part: Part) -> None:
 
 ASKS: FrameType[Ask | Got] = FrameType(Kind.ASK, Ask | Got, _check_ask, most_bytes=1_000)
 PARTS: FrameType[Part] = FrameType(Kind.PART, Part, _check_part, most_bytes=MAX_PART_FRAME_BYTES)
-
-KnownContent = Callable[[str, bytes], Content | None]
-"""The content of a name in a version that is at hand. Raises ``LinkError``."""

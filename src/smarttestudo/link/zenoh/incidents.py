@@ -4,20 +4,17 @@
 
 from __future__ import annotations
 
-import queue
 import secrets
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
 from smarttestudo.bags.incident_record import RECORD_NAME
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.incident import FetchProgress, OnProgress, RemoteIncident, SilentRobotError
-from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot
 from smarttestudo.link.transfer.fetching import Fetching
 from smarttestudo.link.transfer.partial_incident import PartialIncident, incident_there
@@ -31,7 +28,7 @@ from smarttestudo.link.transfer.plan import (
     no_incident,
 )
 from smarttestudo.link.zenoh.queries import QueryClient
-from smarttestudo.link.zenoh.transfer import Fetch, Whole, read_whole
+from smarttestudo.link.zenoh.transfer import Fetch
 
 _POLL_S = 0.1
 _SAVE_S = 0.5
@@ -41,8 +38,8 @@ _RATE_SAYS = 12
 _AGAIN_AFTER_S = 0.05
 _AGAIN_WITHIN_S = 3.0
 """A robot that is asked much answers some questions with silence, as does one without incidents."""
-_BACK_WITHIN_POLLS = 100
-"""For how many times ``_AGAIN_AFTER_S`` a robot is waited for that its link lost, maybe for a moment."""
+_BACK_WITHIN_S = 5.0
+"""For so long a robot is waited for that its link lost, maybe for a moment."""
 _KNOWN_WITHIN_S = 5.0
 _DIGITS = "#"
 
@@ -153,50 +150,37 @@ class LinkIncidents:
     def _read(self, robot: str, name: str, cancelled: Callable[[], bool]) -> bytes | None:
         """All bytes of a name, ``None`` if ``cancelled`` before. Raises ``LinkError``."""
         self._all_known.wait(_KNOWN_WITHIN_S)
-        for boot in self._tries(robot):
-            answers: queue.SimpleQueue[Whole] = queue.SimpleQueue()
-            read_whole(self._client, boot.incidents_key, name, MAX_PLAN_BYTES, answers.put)
-            answer = _waited(answers, cancelled)
+        fetching = Fetching(name, secrets.randbits(64), most_bytes=MAX_PLAN_BYTES)
+        fetch = Fetch(self._client, partial(self._incidents_key, robot), fetching)
+        data, since_s, was_there = b"", time.monotonic(), True
+        while not fetching.is_complete:
+            is_there = self.boot(robot) is not None
+            if is_there != was_there:
+                was_there, since_s = is_there, time.monotonic()
+            waited_s = time.monotonic() - since_s
+            if fetching.is_unanswered and is_there and waited_s >= _AGAIN_WITHIN_S:
+                raise self._silent(robot)
+            if not is_there and (robot.partition(_DIGITS)[0] not in self._seen or waited_s >= _BACK_WITHIN_S):
+                raise self._silent(robot)
             if cancelled():
                 return None
-            if isinstance(answer, LinkError):
-                raise answer
-            if answer is not None:
-                return answer.data
+            if more := fetch.step(_AGAIN_AFTER_S):
+                data += more
+            elif not fetching.is_complete:
+                time.sleep(_AGAIN_AFTER_S)
+        return data
+
+    def _silent(self, robot: str) -> LinkError:
         kind, cause = LinkError, self._client.problem
         if cause is None and self.boot(robot) is None:
             cause = f"there is no robot {robot!r:.80}"
         elif cause is None:
             kind, cause = SilentRobotError, f"{robot} does not answer this"
-        raise kind(
+        return kind(
             cause,
             place=self._place,
             remedy="start 'testudo run --link --incidents' on the robot, and see 'testudo top --connect'",
         )
-
-    def _tries(self, robot: str) -> Iterator[Boot]:
-        """The run of a robot's end to ask, again and again for a while."""
-        boot = self.boot(robot) or self._back(robot)
-        end_s = time.monotonic() + _AGAIN_WITHIN_S
-        while boot is not None:
-            yield boot
-            time.sleep(_AGAIN_AFTER_S)
-            boot = self.boot(robot)
-            if boot is None:
-                boot = self._back(robot)
-                end_s = time.monotonic() + _AGAIN_WITHIN_S
-            elif time.monotonic() >= end_s:
-                return
-
-    def _back(self, robot: str) -> Boot | None:
-        """The run of a robot's end that was there and is again soon."""
-        with self._lock:
-            was_there = robot.partition(_DIGITS)[0] in self._seen
-        for _ in range(_BACK_WITHIN_POLLS if was_there else 0):
-            time.sleep(_AGAIN_AFTER_S)
-            if (boot := self.boot(robot)) is not None:
-                return boot
-        return None
 
     def _on_presence(self, boot: Boot, is_present: bool) -> None:  # noqa: FBT001 - what a client calls
         with self._lock:
@@ -205,14 +189,6 @@ class LinkIncidents:
                 self._present[boot] = None
                 if len(self._seen) < MAX_ROBOTS:
                     self._seen.add(boot.robot)
-
-
-def _waited(answers: queue.SimpleQueue[Whole], cancelled: Callable[[], bool]) -> Whole:
-    end_s = time.monotonic() + 2 * ANSWER_WITHIN_S
-    while not cancelled() and time.monotonic() < end_s:
-        with suppress(queue.Empty):
-            return answers.get(timeout=_POLL_S)
-    return None
 
 
 class _Progress:

@@ -162,22 +162,13 @@ class LinkClients(QueryClient):
         ended: Callable[[], None],
         timeout_s: float = ANSWER_WITHIN_S,
         *,
-        priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-        congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
+        waits: bool = True,
     ) -> None:
         """As ``QueryClient.ask``, at the place where the robot was found first."""
         with self._lock:
             boot = boot_of(key.rpartition("/")[0])
             client = self._clients[0] if boot is None else self._first(boot) or self._clients[0]
-        client.ask(
-            key,
-            payload,
-            replied,
-            ended,
-            timeout_s,
-            priority=priority,
-            congestion_control=congestion_control,
-        )
+        client.ask(key, payload, replied, ended, timeout_s, waits=waits)
 
     def close(self) -> None:
         for client in self._clients:

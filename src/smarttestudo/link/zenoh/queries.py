@@ -203,12 +203,12 @@ class QueryClient:
         ended: Callable[[], None],
         timeout_s: float = ANSWER_WITHIN_S,
         *,
-        priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-        congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
+        waits: bool = True,
     ) -> None:
         """Have ``replied`` called with each frame that answers or refuses, and ``ended`` once, by any thread.
 
-        The answer has its priority, too: messages of the robot's topics go before a long one.
+        Question and answer wait where the link is full, and messages of the robot's topics go before them;
+        or they are dropped there.
         """
 
         def on_reply(reply: zenoh.Reply) -> None:
@@ -225,8 +225,8 @@ class QueryClient:
                 payload=payload,
                 timeout=timeout_s,
                 consolidation=zenoh.ConsolidationMode.NONE,
-                priority=priority,
-                congestion_control=congestion_control,
+                priority=zenoh.Priority.DATA_LOW if waits else zenoh.Priority.DATA,
+                congestion_control=zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP,
             )
         except zenoh.ZError:
             ended()

@@ -120,9 +120,8 @@ class RobotEnd:
     def offer_incidents(self, folder: Path) -> None:
         """Let operators list and fetch the incidents in ``folder`` from now on."""
         self._disk.start()
-        catalog = IncidentCatalog(folder)
         later = partial(self._disk.give, most=MAX_WAITING)
-        self._bytes.offer(self.boot.incidents_key, catalog.known, catalog.open, later)
+        self._bytes.offer(self.boot.incidents_key, IncidentCatalog(folder).open, later)
 
     def offer_datagrams(self, options: LinkOptions) -> None:
         """Send what is relayed as datagrams from now on, where an operator's end asks for them."""

@@ -45,7 +45,7 @@ class StatusServer:
         )
         # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = self._publisher.declare_matching_listener(self._match)
-        server.offer(key, self._known)
+        server.offer(key, self._content)
 
     def tell(self, status: Mapping[str, object]) -> None:
         """Send ``status``, an object of JSON; never waits for the link."""
@@ -59,16 +59,12 @@ class StatusServer:
     def _match(self, status: zenoh.MatchingStatus) -> None:
         self.is_watched = status.matching
 
-    def _known(self, name: str, version: bytes) -> Content | None:
+    def _content(self, _name: str) -> Content:
         """All of the last status, whose version is its number."""
-        if name or version:
-            return None
         with self._lock:
             if self._full is None:
-                data = self._sender.full()
-                self._full = WholeContent(
-                    version=self._sender.number.to_bytes(VERSION_BYTES, "big"), data=data
-                )
+                version = self._sender.number.to_bytes(VERSION_BYTES, "big")
+                self._full = WholeContent(version=version, data=self._sender.full())
             return self._full
 
 
@@ -133,16 +129,9 @@ class StatusListener:
         return max(wait_s, 0.0)
 
     def _ask(self, robot: _Listening) -> None:
-        # The answer is dropped, too, rather than wait for a full link; then it is asked for again.
-        read_whole(
-            self._client,
-            robot.boot.status_key,
-            "",
-            MAX_STATUS_BYTES,
-            partial(self._answered, robot),
-            priority=zenoh.Priority.DATA,
-            congestion_control=zenoh.CongestionControl.DROP,
-        )
+        # What is dropped on a full link is asked for again.
+        answered = partial(self._answered, robot)
+        read_whole(self._client, robot.boot.status_key, MAX_STATUS_BYTES, answered)
 
     def _answered(self, robot: _Listening, whole: Whole) -> None:
         if isinstance(whole, WholeContent):

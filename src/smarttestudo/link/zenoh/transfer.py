@@ -12,8 +12,6 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 
-import zenoh
-
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.requests import Grant, Requests
 from smarttestudo.link.transfer.fetching import Fetching
@@ -25,7 +23,6 @@ from smarttestudo.link.transfer.messages import (
     Ask,
     Content,
     Got,
-    KnownContent,
     Part,
     WholeContent,
 )
@@ -67,29 +64,29 @@ class ByteServer:
     def offer(
         self,
         key: str,
-        known: KnownContent,
-        look_up: Callable[[str], Content] | None = None,
-        later: Callable[[Callable[[], None]], bool] = lambda _: False,
+        content_of: Callable[[str], Content],
+        later: Callable[[Callable[[], None]], bool] | None = None,
     ) -> None:
-        """Answer on ``key``; what is not known is looked up by a task for ``later``, if that takes one."""
+        """Answer on ``key``; ``later`` has a task of another thread look contents up, if it takes one."""
 
         def handle(query: Query) -> None:
             said = ASKS.from_bytes(query.data)
             if isinstance(said, Got):
                 self._do(partial(self._acknowledge, query, said))
-            elif content := known(said.name, said.version):
-                self._do(partial(self._enqueue, query, said, content))
-            elif look_up is None or not later(partial(query.attempt, partial(open_content, query, said))):
+                return
+            act = partial(query.attempt, partial(self._begin, query, said, content_of))
+            if later is None:
+                act()
+            elif not later(act):
                 query.drop()
 
-        def open_content(query: Query, ask: Ask) -> None:
-            assert look_up is not None
-            content = look_up(ask.name)
-            if ask.version not in (NEWEST, content.version):
-                raise LinkError("it changed on the robot meanwhile", place=ask.name, remedy="fetch it again")
-            self._do(partial(self._enqueue, query, ask, content))
-
         self._server.serve(key, handle)
+
+    def _begin(self, query: Query, ask: Ask, content_of: Callable[[str], Content]) -> None:
+        content = content_of(ask.name)
+        if ask.version not in (NEWEST, content.version):
+            raise LinkError("it changed on the robot meanwhile", place=ask.name, remedy="fetch it again")
+        self._do(partial(self._enqueue, query, ask, content))
 
     def answer(self, grant: Grant[Answer]) -> tuple[int, bool]:
         """Send the next part; how many bytes travel, and whether it is the last. It waits for the link."""
@@ -134,18 +131,9 @@ Whole = WholeContent | LinkError | None
 """All bytes of a name, why there are none, or nothing where a robot is silent."""
 
 
-def read_whole(
-    client: QueryClient,
-    key: str,
-    name: str,
-    most_bytes: int,
-    answered: Callable[[Whole], None],
-    *,
-    priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-    congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
-) -> None:
-    """Have ``answered`` called once with all bytes of a small name, by any thread; it is asked once."""
-    fetching = Fetching(name, secrets.randbits(64), most_bytes=most_bytes)
+def read_whole(client: QueryClient, key: str, most_bytes: int, answered: Callable[[Whole], None]) -> None:
+    """Have ``answered`` called once with all bytes of a key, by any thread; they are asked for once."""
+    fetching = Fetching("", secrets.randbits(64), most_bytes=most_bytes)
     data = bytearray()
     failed: list[LinkError] = []
 
@@ -163,9 +151,7 @@ def read_whole(
 
     ask = fetching.next(0)
     assert ask is not None
-    client.ask(
-        key, ASKS.to_bytes(ask), replied, ended, priority=priority, congestion_control=congestion_control
-    )
+    client.ask(key, ASKS.to_bytes(ask), replied, ended, waits=False)
 
 
 class Fetch:
