@@ -17,6 +17,7 @@ from smarttestudo.link.transfer.fetching import Fetching
 from smarttestudo.link.transfer.messages import PARTS, VERSION_BYTES, Ask, Got, Part
 from smarttestudo.link.transfer.order import ByteRange, MessageRange, TransferOrder
 
+LOOK_NS = S // 10
 FRAMING_BYTES = 100
 """What goes with a part on the wire beside what it is."""
 
@@ -113,8 +114,8 @@ class FetchingEnds(Ends):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.operator = self._operator(bytearray(), 1)
-        self._wake_ns = self._ask_ns = math.inf
-        self.at(int(self.from_s * S), self._ask)
+        self._wake_ns = math.inf
+        self.at(int(self.from_s * S), self._look)
 
     def _operator(self, data: bytearray, asker: int) -> Operator:
         return Operator(Fetching("files", asker, offset=len(data)), asker, data)
@@ -145,14 +146,12 @@ class FetchingEnds(Ends):
                 self.at(arrival_ns, partial(self._arrive_ask, operator, said))
         elif said is not None and self.link.rate(now_ns) > 0:
             self.at(arrival_ns, partial(self._arrive_got, said))
-        wake_ns = operator.fetching.wake_ns(now_ns)
-        self._ask_ns = math.inf if wake_ns is None else max(wake_ns, now_ns + 1)
-        if wake_ns is not None:
-            self.at(max(wake_ns, now_ns + 1), self._ask_due)
 
-    def _ask_due(self, now_ns: int) -> None:
-        if now_ns == self._ask_ns:
-            self._ask(now_ns)
+    def _look(self, now_ns: int) -> None:
+        """As the operator's end does where nothing arrives."""
+        self._ask(now_ns)
+        if self.done_ns is None:
+            self.at(now_ns + LOOK_NS, self._look)
 
     def _arrive_got(self, got: Got, now_ns: int) -> None:
         self.sender.scheduler.requests.acknowledge(got.asker, got.got_bytes, now_ns)
@@ -170,7 +169,6 @@ class FetchingEnds(Ends):
 
             def end(at_ns: int) -> None:
                 operator.fetching.ended(ask, at_ns)
-                self._ask(at_ns)
 
             self.at(now_ns + int(self.link.delay_s * S), end)
 

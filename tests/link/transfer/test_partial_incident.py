@@ -26,8 +26,8 @@ DATA = bytes(range(200))
 ORDER = TransferOrder([ByteRange(0, 0, 50), ByteRange(0, 50, 50)], [], [ByteRange(0, 100, 100)])
 
 
-HALF = ORDER.size_bytes - 104
-"""Up to where the last range begins, whose head has four bytes."""
+HALF = ORDER.size_bytes - 103
+"""Up to where the last range begins, whose head has three bytes."""
 
 
 def plan(version: int = 1, data: bytes = DATA, *, name: str = "a.mcap") -> TransferPlan:
@@ -67,19 +67,16 @@ def test_another_fetch_goes_on(tmp_path: Path) -> None:
 
 @given(st.lists(st.integers(0, ORDER.size_bytes), max_size=8).map(sorted))
 def test_however_it_is_cut_another_fetch_goes_on_with_the_next_byte(cuts: list[int]) -> None:
-    copies = TransferOrder([ByteRange(0, 0, 150), ByteRange(0, 150, 50, (0, 0))], [])
-    for order, data in ((ORDER, DATA), (copies, DATA[:150] + DATA[:50])):
-        whole, planned = travelling(order, data), replace(plan(data=data), order_bytes=order.size_bytes)
-        with TemporaryDirectory() as folder:
-            for end in (*cuts, len(whole)):
-                with PartialIncident(Path(folder), NAME, planned) as partial:
-                    assert partial.cursor <= end or end > len(whole)
-                    partial.write(whole[partial.cursor : end])
-                    partial.save()
-            with PartialIncident(Path(folder), NAME, planned) as partial:
-                partial.write(whole[partial.cursor :])
-                assert partial.got_bytes == len(data)
-                assert (partial.finish() / "a.mcap").read_bytes() == data
+    whole = travelling()
+    with TemporaryDirectory() as folder:
+        for end in cuts:
+            with PartialIncident(Path(folder), NAME, plan()) as partial:
+                partial.write(whole[partial.cursor : end])
+                partial.save()
+        with PartialIncident(Path(folder), NAME, plan()) as partial:
+            partial.write(whole[partial.cursor :])
+            assert partial.got_bytes == len(DATA)
+            assert (partial.finish() / "a.mcap").read_bytes() == DATA
 
 
 @pytest.mark.parametrize(
@@ -88,8 +85,6 @@ def test_however_it_is_cut_another_fetch_goes_on_with_the_next_byte(cuts: list[i
         ByteRange(1, 0, 5),
         ByteRange(0, 190, 20),
         ByteRange(0, 2**50, 5),
-        ByteRange(0, 0, 5, (1, 0)),
-        ByteRange(0, 0, 5, (0, 198)),
     ],
 )
 def test_a_range_that_is_in_no_file_is_refused(tmp_path: Path, lie: ByteRange) -> None:

@@ -46,7 +46,6 @@ from smarttestudo.link.transfer.plan import (
 MAX_OPEN = 4
 """How many incidents may be fetched at once without their files being looked through again and again."""
 _ORDER_VERSION = b"2"
-_MOST_COPIED_BYTES = 1_000_000
 _MAX_CHANNEL_BYTES = 1_000_000
 
 
@@ -139,9 +138,8 @@ def _content_of(folder: Path, name: str) -> IncidentContent:
             raise LinkError(f"{len(files)} files are too many for an incident", place=name)
         ranges = [file_ranges(one, number) for number, one in enumerate(files)]
         planned = tuple(PlannedFile(file.name, file.stat().st_size, sha256_of_files(file)) for file in files)
-        head = _with_copies([one for each in ranges for one in each.head], files)
     order = TransferOrder(
-        head,
+        [one for each in ranges for one in each.head],
         [message for each in ranges for message in each.messages],
         [one for each in ranges for one in each.tail],
     )
@@ -152,21 +150,6 @@ def _content_of(folder: Path, name: str) -> IncidentContent:
     if order.files_bytes != plan.size_bytes:
         raise LinkError("the files of the incident change while they are looked through", place=name)
     return IncidentContent(plan=plan, order=order, paths=tuple(files))
-
-
-def _with_copies(head: Sequence[ByteRange], files: Sequence[Path]) -> Sequence[ByteRange]:
-    """``head`` where the same definitions in several files travel once."""
-    seen: dict[bytes, tuple[int, int]] = {}
-    found = []
-    for part in head:
-        copy_of = None
-        if part.size_bytes <= _MOST_COPIED_BYTES:
-            with files[part.file].open("rb") as opened:
-                data = os.pread(opened.fileno(), part.size_bytes, part.offset)
-            copy_of = seen.setdefault(data, (part.file, part.offset))
-        is_first = copy_of in (None, (part.file, part.offset))
-        found.append(part if is_first else part._replace(copy_of=copy_of))
-    return found
 
 
 @contextmanager

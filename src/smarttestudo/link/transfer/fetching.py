@@ -53,10 +53,6 @@ class Fetching:
         """Whether all is there."""
         return self._total_bytes is not None and self.offset >= self._total_bytes
 
-    def wake_ns(self, now_ns: int) -> int | None:
-        """When ``next`` has something though nothing arrives; ``None`` where all is there."""
-        return None if self.is_complete else max(self._again_ns, now_ns)
-
     def next(self, now_ns: int) -> Ask | Got | None:
         """What to send now."""
         if not self.is_complete and now_ns >= self._again_ns:

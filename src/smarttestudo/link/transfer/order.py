@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The order in which the bytes of a recording travel: a picture of all of it at once, then ever finer.
 
-Each range travels as a head, which says where its bytes belong, and those bytes; a copy is its head alone.
+Each range travels as a head, which says where its bytes belong, and those bytes.
 """
 
 from __future__ import annotations
@@ -24,17 +24,11 @@ _FINEST_LEVEL = 20
 
 
 class ByteRange(NamedTuple):
-    """Bytes of the file with that number, which are the same as those at ``copy_of`` if it is there."""
+    """Bytes of the file with that number."""
 
     file: int
     offset: int
     size_bytes: int
-    copy_of: tuple[int, int] | None = None
-
-    @property
-    def own_bytes(self) -> int:
-        """How many bytes follow its head."""
-        return self.size_bytes if self.copy_of is None else 0
 
 
 class MessageRange(NamedTuple):
@@ -45,14 +39,6 @@ class MessageRange(NamedTuple):
     size_bytes: int
     topic: str
     stamp_ns: int
-
-
-class FileStretch(NamedTuple):
-    """Bytes of the file with that number, which travel as they are."""
-
-    file: int
-    offset: int
-    size_bytes: int
 
 
 class Level(NamedTuple):
@@ -82,25 +68,25 @@ class TransferOrder:
             ),
             *tail,
         ]
-        self._ends = list(accumulate(len(_head(range_)) + range_.own_bytes for range_ in self._ranges))
+        self._ends = list(accumulate(len(_head(range_)) + range_.size_bytes for range_ in self._ranges))
         self.size_bytes = self._ends[-1] if self._ends else 0
         """With the heads of ranges."""
         self.files_bytes = sum(range_.size_bytes for range_ in self._ranges)
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))
 
-    def stretches(self, offset: int, size_bytes: int) -> Iterator[bytes | FileStretch]:
+    def stretches(self, offset: int, size_bytes: int) -> Iterator[bytes | ByteRange]:
         """What travels from ``offset`` of the order on: heads of ranges, and where the bytes between are."""
         number = bisect_right(self._ends, offset)
         while size_bytes > 0 and number < len(self._ranges):
             range_ = self._ranges[number]
             head = _head(range_)
-            skipped = offset - (self._ends[number] - len(head) - range_.own_bytes)
+            skipped = offset - (self._ends[number] - len(head) - range_.size_bytes)
             if rest := head[skipped : skipped + size_bytes]:
                 yield rest
             skipped_body = max(skipped - len(head), 0)
-            size = min(size_bytes - len(rest), range_.own_bytes - skipped_body)
+            size = min(size_bytes - len(rest), range_.size_bytes - skipped_body)
             if size > 0:
-                yield FileStretch(range_.file, range_.offset + skipped_body, size)
+                yield ByteRange(range_.file, range_.offset + skipped_body, size)
             offset, size_bytes, number = self._ends[number], size_bytes - len(rest) - size, number + 1
 
     def _levels(self, ranks: Sequence[_Rank], heads: int) -> Iterator[Level]:
@@ -145,12 +131,11 @@ def _levels_of(ranges: Sequence[MessageRange]) -> Iterator[int]:
         yield level
 
 
-MOST_HEAD_BYTES = 50
+MOST_HEAD_BYTES = 30
 
 
 def _head(range_: ByteRange) -> bytes:
-    copied = b"\0" if range_.copy_of is None else varint(range_.copy_of[0] + 1) + varint(range_.copy_of[1])
-    return varint(range_.file) + varint(range_.offset) + varint(range_.size_bytes) + copied
+    return b"".join(map(varint, range_))
 
 
 def read_head(data: bytes) -> tuple[ByteRange, int] | None:
@@ -160,10 +145,9 @@ def read_head(data: bytes) -> tuple[ByteRange, int] | None:
     """
     reader = Reader(data)
     try:
-        file, offset, size_bytes, copied = (reader.varint() for _ in range(4))
-        copy_of = (copied - 1, reader.varint()) if copied else None
+        range_ = ByteRange(reader.varint(), reader.varint(), reader.varint())
     except LinkError:
         if len(data) < MOST_HEAD_BYTES:
             return None
         raise
-    return ByteRange(file, offset, size_bytes, copy_of), len(data) - len(reader.rest())
+    return range_, len(data) - len(reader.rest())

@@ -124,29 +124,17 @@ class PartialIncident:
         self._require_within(range_.file, range_.offset, range_.size_bytes)
         if self.got_bytes + range_.size_bytes > self._plan.size_bytes:
             raise LinkError("the robot sends more than the incident has", place=self._target.name)
-        if range_.copy_of is None:
-            self._begun = range_
-        else:
-            self._copy(range_, *range_.copy_of)
-        self._head = b""
+        self._begun, self._head = range_, b""
         return head_bytes - begun
 
     def _take_own(self, data: bytes, place: int) -> int:
         """Write what there is of the range that has begun; how many bytes that were."""
-        file, offset, size_bytes, _ = self._begun
+        file, offset, size_bytes = self._begun
         own = data[place : place + size_bytes]
         os.pwrite(self._files[file], own, offset)
         self._begun = ByteRange(file, offset + len(own), size_bytes - len(own))
         self.got_bytes += len(own)
         return len(own)
-
-    def _copy(self, range_: ByteRange, source: int, start: int) -> None:
-        self._require_within(source, start, range_.size_bytes)
-        for done in range(0, range_.size_bytes, _READ_BYTES):
-            size_bytes = min(_READ_BYTES, range_.size_bytes - done)
-            data = os.pread(self._files[source], size_bytes, start + done)
-            os.pwrite(self._files[range_.file], data, range_.offset + done)
-        self.got_bytes += range_.size_bytes
 
     def save(self) -> None:
         """Write how far the fetch is, for another that goes on from here."""
@@ -154,7 +142,7 @@ class PartialIncident:
             version=self._plan.version.hex(),
             cursor=self.cursor - len(self._head),
             got_bytes=self.got_bytes,
-            begun=self._begun[:3],
+            begun=self._begun,
             files=tuple(file.name for file in self._plan.files),
         )
         with whole_file(self.path / STATE_NAME, "the state of a fetch") as write:
