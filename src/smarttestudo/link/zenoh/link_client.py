@@ -10,11 +10,10 @@ from functools import partial
 
 import zenoh
 
-from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.queries import OnPresence, QueryClient, Reply
+from smarttestudo.link.zenoh.queries import OnPresence, QueryClient
 from smarttestudo.link.zenoh.session import (
     POLL_PERIOD_S,
     OtherVersions,
@@ -153,23 +152,12 @@ class LinkClients(QueryClient):
                 unreachable=settle,
             )
 
-    def get(
-        self,
-        key: str,
-        payload: bytes | None,
-        answered: Callable[[Reply], None],
-        timeout_s: float = ANSWER_WITHIN_S,
-        *,
-        priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-        congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
-    ) -> None:
-        """Have ``answered`` called once with what came of a question, by any thread."""
+    def session_for(self, key: str) -> zenoh.Session | None:
+        """The session with the place where the robot was found first."""
         with self._lock:
             boot = boot_of(key.rpartition("/")[0])
             client = self._clients[0] if boot is None else self._first(boot) or self._clients[0]
-        client.get(
-            key, payload, answered, timeout_s, priority=priority, congestion_control=congestion_control
-        )
+        return client.session_for(key)
 
     def close(self) -> None:
         for client in self._clients:
