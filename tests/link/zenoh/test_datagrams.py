@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.datagrams import Datagrams, Seal
@@ -74,6 +75,8 @@ def test_between_programs_of_one_machine_datagrams_go_only_if_a_port_is_given() 
     assert has_datagrams(LinkOptions(connect=here, datagrams_port=7450))
     assert has_datagrams(LinkOptions(connect=there))
     assert not has_datagrams(LinkOptions(connect=there, has_datagrams=False))
+    # Zenoh has that UDP port itself.
+    assert not has_datagrams(LinkOptions(connect=("quic/192.168.1.5:7447",)))
     assert not has_datagrams(LinkOptions(listen=("unixsock-stream/link",), datagrams_port=7450))
 
 
@@ -118,6 +121,27 @@ def test_an_end_without_datagrams_has_the_reliable_link(*, robot_has: bool, oper
         reader, publisher = Reader(operator), robot.advertise(ODOM)
         until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
         assert not robot.state.by_datagrams
+
+
+@pytest.mark.full
+def test_a_port_that_somebody_else_has_costs_the_datagrams_and_not_the_link() -> None:
+    with closing(_udp()) as taken:
+        # Without TLS, and not of this machine alone, so that datagrams go by default.
+        endpoint, warnings = free_endpoint().replace("127.0.0.1", "0.0.0.0"), list[str]()
+        port: int = taken.getsockname()[1]
+        options = LinkOptions(listen=(endpoint,), insecure=True, datagrams_port=port)
+        with pytest.raises(LinkError, match="datagrams cannot be sent"), open_operator_end(options, print):
+            pass
+        of_endpoint = int(endpoint.rpartition(":")[2])
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other:
+            other.bind(("0.0.0.0", of_endpoint))
+            with (
+                open_operator_end(replace(options, datagrams_port=None), warnings.append) as operator,
+                open_robot_end("r1", LinkOptions(connect=(f"tcp/127.0.0.1:{of_endpoint}",)), print) as robot,
+            ):
+                reader, publisher = Reader(operator), robot.advertise(ODOM)
+                until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
+    assert [text for text in warnings if "datagrams cannot be sent" in text] != [], warnings
 
 
 @pytest.mark.full
