@@ -54,8 +54,7 @@ def open_robot_end(
         end = RobotEnd(opened, robot, warn, clock, options.fetch_budget_kb_per_s)
         try:
             if may_have_datagrams(options, warn):
-                with _unless_asked_for(options, warn):
-                    end.offer_datagrams(options)
+                end.offer_datagrams(options)
             if not options.commands:
                 yield end
                 return
@@ -93,8 +92,7 @@ def open_operator_end(
         end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts, receiver=receiver)
         try:
             if may_have_datagrams(options, warn):
-                with _unless_asked_for(options, warn):
-                    end.take_datagrams(options)
+                end.take_datagrams(options)
             if options.connect:
                 watcher.start()
             if options.commands:
@@ -167,20 +165,9 @@ def may_have_datagrams(options: LinkOptions, warn: Warn) -> bool:
         cause = "datagrams need the package cryptography"
         if options.datagrams_port is not None:
             raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error
-        warn(f"{cause}: what is relayed goes over the reliable link, as with --datagrams off")
+        warn(f"{cause}: what is relayed goes over the reliable link, as without --datagrams")
         return False
     return True
-
-
-@contextmanager
-def _unless_asked_for(options: LinkOptions, warn: Warn) -> Iterator[None]:
-    """Have a link without datagrams where they cannot be had, unless a port was given for them."""
-    try:
-        yield
-    except LinkError as error:
-        if options.datagrams_port is not None:
-            raise
-        warn(said(error))
 
 
 def require_zenoh() -> None:
