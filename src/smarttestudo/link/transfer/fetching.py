@@ -54,7 +54,7 @@ class Fetching:
         return self._total_bytes is not None and self.offset >= self._total_bytes
 
     def next(self, now_ns: int) -> Ask | Got | None:
-        """What to send now."""
+        """The question or note to send now, if one is due."""
         if not self.is_complete and now_ns >= self._again_ns:
             self.is_unanswered |= not self._answered
             self._answered = False

@@ -36,7 +36,7 @@ class Ask:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Got:
-    """Who asked has got so much; nothing is to be answered."""
+    """Bytes that the asking end has got; nothing is to be answered."""
 
     asker: int
     got_bytes: int

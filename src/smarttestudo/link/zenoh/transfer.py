@@ -35,7 +35,7 @@ _ASKED_FOR_S = 3_600.0
 
 @dataclass(slots=True, eq=False)
 class Answer:
-    """What a question is answered with: ``content`` from ``offset`` on."""
+    """Answer to a question: ``content`` from ``offset`` on."""
 
     query: Query
     content: Content
