@@ -115,11 +115,10 @@ class ByteServer:
 
     def _enqueue(self, query: Query, ask: Ask, content: Content) -> None:
         answer = Answer(query, content, ask.offset)
-        gone: Answer | None = answer
-        if not content.is_urgent:
+        if content.is_urgent:
+            gone = None if self._requests.enqueue_urgent(answer) else answer
+        else:
             gone = self._requests.enqueue(ask.asker, ask.got_bytes, answer, self._clock())
-        elif self._requests.enqueue_urgent(answer):
-            gone = None
         if gone is not None:
             gone.query.drop()
 
