@@ -22,8 +22,8 @@ from smarttestudo.link.transfer.messages import (
     PARTS,
     Ask,
     Content,
+    ContentPart,
     Got,
-    Part,
     WholeContent,
 )
 from smarttestudo.link.zenoh.compression import Compressor, unpacked
@@ -100,7 +100,9 @@ class ByteServer:
             answer.query.refuse(error)
             return 0, True
         if data:
-            part = Part(version=content.version, total_bytes=content.size_bytes, offset=offset, data=data)
+            part = ContentPart(
+                version=content.version, total_bytes=content.size_bytes, offset=offset, data=data
+            )
             sent = self._compressor.packed(PARTS.to_bytes(part))
             answer.offset += len(data)
         is_sent = bool(data) and answer.query.reply_part(sent)
@@ -123,7 +125,7 @@ class ByteServer:
             gone.query.drop()
 
 
-def part_from(data: bytes) -> Part:
+def part_from(data: bytes) -> ContentPart:
     """The part that arrived. Raises ``LinkError`` for anything else."""
     return PARTS.from_bytes(unpacked(data, MAX_PART_FRAME_BYTES))
 
