@@ -8,7 +8,7 @@ is at ``x``, or drives from there with ``twist``, forward in m/s and around in r
 String is numbered, and padded to ``size_bytes``. A Clock begins at ``from_s`` and goes on by ``step_ms`` with
 each message.
 A topic without ``hz`` is latched: ``texts`` are published once, each by a publisher of its own. ``topic`` is
-the topic's name where it is not the key.
+the topic's name where it is not the key. One that comes ``later`` is there from ``create camera`` on.
 
 Lines on stdin, about all topics or those named: ``move odom`` puts the robot at x = 5, ``home odom`` at 0;
 ``spoil odom`` sends bytes that are no message until ``heal odom``; ``hush odom`` sends no more, until
@@ -177,7 +177,11 @@ def main() -> None:
     rclpy.init()
     node = rclpy.create_node("source")
     latched = [latch(node, name, topic) for name, topic in topics.items() if "hz" not in topic]
-    streams = {name: Stream(node, name, topic) for name, topic in topics.items() if "hz" in topic}
+    streams = {
+        name: Stream(node, name, topic)
+        for name, topic in topics.items()
+        if "hz" in topic and not topic.get("later", False)
+    }
     sys.stdout.write("ready\n")
     lines: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=listen, args=(lines,), daemon=True).start()
@@ -186,6 +190,8 @@ def main() -> None:
     while words != ["stop"]:
         if words:
             command, *names = words
+            if command == "create":
+                streams |= {name: Stream(node, name, topics[name]) for name in names}
             for name in names or streams:
                 obey(streams[name], command)
         now_s = time.monotonic()
