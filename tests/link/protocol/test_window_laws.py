@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.domain.units import NS_PER_MS
 from smarttestudo.link.protocol.outgoing_stream import OutgoingMessage, OutgoingStream
-from smarttestudo.link.protocol.window import Window
+from smarttestudo.link.protocol.window import START_BYTES_PER_S, Window
 
 STEPS = st.lists(
     st.tuples(
@@ -35,6 +35,23 @@ def test_a_window_has_room_exactly_where_a_chunk_may_have_bytes(steps: list[tupl
         else:
             window.idle()
         assert window.has_room == (window.chunk_bytes > 0)
+
+
+@given(st.integers(1, 1_000), st.integers(1, 20), st.integers(0, 5), st.booleans())
+def test_a_link_on_which_nothing_is_under_way_carries_what_was_known_though_the_last_bytes_took_long(
+    size_bytes: int, stalled_s: int, more_messages: int, is_idle: bool
+) -> None:
+    window, now_ns = Window(), 0
+    for trip_ms in (5, stalled_s * 1_000, *[5] * more_messages):
+        window.sent(size_bytes, now_ns)
+        now_ns += trip_ms * NS_PER_MS
+        if is_idle:
+            window.idle()
+        window.acknowledge(window.sent_bytes, now_ns)
+        for _ in range(6):
+            now_ns += 500 * NS_PER_MS
+            window.acknowledge(window.sent_bytes, now_ns)
+    assert window.capacity_bytes_per_s >= START_BYTES_PER_S
 
 
 @given(TIMES, TIMES)

@@ -28,6 +28,8 @@ _MOST_PIECE_BYTES = 16_000
 _LONGEST_PAUSE_NS = NS_PER_S // 2
 _URGENT_PAUSE = 5
 """So many times what an urgent piece takes of the link, the next one goes."""
+_LONGEST_URGENT_PAUSE_NS = 2 * NS_PER_S
+"""It goes by then, or where too low a capacity is believed, nobody would hear of the robot."""
 _BUDGET_PIECE_S = 0.5
 """How much of the budget a piece takes at most."""
 _BUDGET_CREDIT_NS = NS_PER_S
@@ -210,9 +212,8 @@ class Requests(Generic[_Request]):
             self.fill(wire_bytes, now_ns, live)
         if grant.client is None:
             if live is not None:
-                self._urgent_ns = now_ns + int(
-                    _URGENT_PAUSE * wire_bytes * NS_PER_S / live.capacity_bytes_per_s
-                )
+                pause_ns = int(_URGENT_PAUSE * wire_bytes * NS_PER_S / live.capacity_bytes_per_s)
+                self._urgent_ns = now_ns + min(pause_ns, _LONGEST_URGENT_PAUSE_NS)
             return
         known = self._clients[grant.client]
         known.sent_bytes += size_bytes

@@ -138,6 +138,8 @@ class _DeliveredRate:
         """Whether the link was the limit in the last sample."""
         self.was_full = self.was_idle = False
         """Whether there was once more to send than room, or nothing, in the sample that goes on."""
+        self.was_empty = False
+        """Whether nothing was under way at a time of the sample that goes on."""
         self.begun_ns: int | None = None
         """When the sample that goes on began."""
         self.beside_bytes = 0
@@ -152,7 +154,7 @@ class _DeliveredRate:
         """Begin a sample, when so much of the session had arrived."""
         self.begun_ns, self._begin_bytes = now_ns, total_bytes
         self.beside_bytes = 0
-        self.was_full = self.was_idle = False
+        self.was_full = self.was_idle = self.was_empty = False
 
     def take(self, total_bytes: int, now_ns: int, *, was_limit: bool, has_queue: bool) -> None:
         """Learn from the sample that ends now, and begin the next."""
@@ -317,6 +319,8 @@ class Window:
         if self._rate.begun_ns is None or has_paused:
             # A sample does not reach over a pause.
             self._rate.begin(self.acknowledged_bytes, now_ns)
+        elif not self._flights:
+            self._rate.was_empty = True
         self.sent_bytes += size_bytes
         self._flights.append(_Flight(self.sent_bytes, now_ns))
 
@@ -341,6 +345,8 @@ class Window:
             self._acknowledged_ns = now_ns
         if newest is not None:
             self._take_trip(now_ns - newest.sent_ns, now_ns)
+        if not self._flights:
+            self._rate.was_empty = True
         self._take_rate(now_ns)
         return True
 
@@ -356,7 +362,9 @@ class Window:
         if rate.begun_ns is None:
             return
         if now_ns - rate.begun_ns >= _SAMPLE_NS:
-            was_limit = (rate.was_full and not rate.was_idle) or self._has_queue
+            # A queue that was seen before nothing was under way says nothing of what arrives meanwhile.
+            has_queue = self._has_queue and not rate.was_empty
+            was_limit = (rate.was_full and not rate.was_idle) or has_queue
             if not is_draining:
                 rate.is_limit = was_limit
             was_limit = was_limit and not is_draining
