@@ -27,7 +27,7 @@ help:
 	@echo "                     on a real ROS graph and a real link. Some five minutes on two cores. It leaves to test-all:"
 	@echo "                     all examples of laws, all screens, installations, colcon, the release, documents that run,"
 	@echo "                     benchmarks, ROS 2 Kilted, rates, and what the page and live runs do beside these promises"
-	@echo "make test-all        everything, as continuous integration runs it: some 25 minutes on two cores"
+	@echo "make test-all        everything, as continuous integration runs it: some 35 minutes on two cores"
 	@echo "make quick           while working: style, types, layers, and most tests that start no process, in a minute or so"
 	@echo "make test-plain      the tests that start no process, with a tenth of each law's examples, for any Python"
 	@echo "make fuzz            random examples for every law, $(FUZZ_FACTOR) times as many (FUZZ_FACTOR=, FUZZ_TESTS=)"

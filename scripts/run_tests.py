@@ -107,12 +107,11 @@ def groups_of(tier: Tier) -> Iterator[Sequence[Part]]:
     else:
         others = [option for path in LIVE for option in ("--ignore", path)]
         kilted = ("sh", "scripts/test_kilted.sh")
-        yield (style, page)
+        yield (style, page, Part(name="kilted", command=(*kilted, "promises", *reported("kilted"))))
         yield (
             pytest_part("first", processors * 3 // 2, *others, "tests", niceness=BACKGROUND),
-            Part(name="kilted", command=(*kilted, "live", *reported("kilted"))),
+            pytest_part("live", processors, "-m", "not calm", *LIVE),
         )
-        yield (pytest_part("live", min(2 * processors, 8), "-m", "not calm", *LIVE),)
         yield (pytest_part("calm", 0, "-m", "calm", *LIVE),)
         yield (Part(name="calm-kilted", command=(*kilted, "calm", *reported("calm-kilted"))),)
 
