@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.status_stream import StatusReceiver, StatusSender
+from smarttestudo.link.protocol.wire import Kind, frame
 
 SECOND = 1_000_000_000
 PERIOD_NS = SECOND // 5
@@ -78,7 +79,7 @@ def test_a_status_is_whole_or_none_and_a_full_one_mends_a_loss(
         received = here.receive(data)
         assert received is None or same(received, record)
         if here.needs_full:
-            mended = here.receive(there.full())
+            mended = here.receive_full(there.number, there.full())
             assert mended is not None
             assert same(mended, record)
 
@@ -87,14 +88,14 @@ def test_a_status_is_whole_or_none_and_a_full_one_mends_a_loss(
 def test_changes_that_come_before_the_full_status_wait_for_it(
     sequence: list[dict[str, Any]], place: int
 ) -> None:
-    there, here, late = sender(), StatusReceiver(decompress), b""
+    there, here, late = sender(), StatusReceiver(decompress), (0, b"")
     for number, record in enumerate(sequence):
         data = there.next(record, number * PERIOD_NS)
         if number == min(place, len(sequence) - 1):
-            late = there.full()
+            late = there.number, there.full()
         if number:
             here.receive(data)
-    received = here.receive(late)
+    received = here.receive_full(*late)
     assert received is None or same(received, sequence[-1])
     assert not here.needs_full
 
@@ -136,16 +137,16 @@ def test_before_the_first_status_there_is_no_full_one() -> None:
         sender().full()
 
 
-@given(st.binary(max_size=60), st.sampled_from([4, 5]))
-def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int) -> None:
+@given(st.binary(max_size=60))
+def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes) -> None:
     there, here = sender(), StatusReceiver(decompress)
     here.receive(there.next({"a": 1, "b": ["x", None]}, 0))
-    for data in (garbage, bytes([3, form]) + garbage, bytes([3, 5, 2]) + garbage):
+    for data in (garbage, frame(Kind.STATUS_CHANGES, garbage), frame(Kind.STATUS_CHANGES, b"\2" + garbage)):
         with contextlib.suppress(LinkError):
             here.receive(data)
     here.needs_full = True
     # Garbage may be a change by chance: it is not told from one.
-    assert here.receive(there.full()) is not None
+    assert here.receive_full(there.number, there.full()) is not None
 
 
 @pytest.mark.parametrize(
@@ -155,4 +156,6 @@ def test_garbage_is_refused_or_mended_by_a_full_status(garbage: bytes, form: int
 )
 def test_a_full_status_that_is_none_is_refused(text: bytes) -> None:
     with pytest.raises(LinkError):
-        StatusReceiver(decompress).receive(bytes([3, 4, 1]) + compress(text, b""))
+        StatusReceiver(decompress).receive_full(1, compress(text, b""))
+    with pytest.raises(LinkError):
+        StatusReceiver(decompress).receive(frame(Kind.STATUS_CHANGES, b"\1" + compress(text, b"")))

@@ -64,8 +64,9 @@ def path_errors(contents: Contents, share: float) -> PathErrors:
     """After that share of all bytes."""
     size_bytes = int(contents.order.size_bytes * share)
     odometry = [one for one in contents.messages if one.topic == "/odom"]
-    parts = contents.order.parts(0, size_bytes)
-    whole = {part.whole.offset for part in parts if part.size_bytes == part.whole.size_bytes}
+    sizes = {one.offset: one.size_bytes for one in contents.messages}
+    stretches = [one for one in contents.order.stretches(0, size_bytes) if not isinstance(one, bytes)]
+    whole = {one.offset for one in stretches if one.size_bytes == sizes.get(one.offset)}
     in_order = first_of(contents.messages, size_bytes)
     newest_first = first_of(contents.messages[::-1], size_bytes)
     return PathErrors(

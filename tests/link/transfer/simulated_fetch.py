@@ -6,25 +6,20 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds
-from smarttestudo.link.protocol.background import ANSWERED_WITHIN_NS
 from smarttestudo.link.protocol.sender import LinkSender
-from smarttestudo.link.transfer.fetching import Fetching, RangeAsk
-from smarttestudo.link.transfer.messages import PIECES, TransferPiece, piece_from_bytes
-from smarttestudo.link.transfer.order import (
-    ByteRange,
-    MessageRange,
-    RangePart,
-    TransferOrder,
-)
+from smarttestudo.link.transfer.fetching import Fetching
+from smarttestudo.link.transfer.messages import PARTS, VERSION_BYTES, Ask, Got, Part
+from smarttestudo.link.transfer.order import ByteRange, MessageRange, TransferOrder
 
+LOOK_NS = S // 10
 FRAMING_BYTES = 100
-"""What goes with a piece on the wire beside what it is."""
+"""What goes with a part on the wire beside what it is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,22 +57,39 @@ class Contents:
         data = rng.randbytes(place + tail.size_bytes)
         return Contents(files=[data], messages=messages, order=TransferOrder([head], messages, [tail]))
 
-    def piece(self, cursor: int, size_bytes: int, advised_bytes: int, waiting: int) -> TransferPiece:
-        """What the robot's end answers."""
-        parts = tuple(self.order.parts(cursor, size_bytes))
-        places = [(one.whole.file, one.whole.offset + one.skipped_bytes, one.size_bytes) for one in parts]
-        body = b"".join(self.files[file][start : start + size] for file, start, size in places)
-        return TransferPiece(parts=parts, body=body, advised_bytes=advised_bytes, waiting=waiting)
+    def part(self, offset: int, size_bytes: int) -> Part:
+        """What the robot's end sends."""
+        data = self.read(offset, size_bytes)
+        total_bytes = self.order.size_bytes
+        return Part(version=bytes(VERSION_BYTES), total_bytes=total_bytes, offset=offset, data=data)
+
+    def read(self, offset: int, size_bytes: int) -> bytes:
+        """Bytes of the order."""
+        data = b""
+        for one in self.order.stretches(offset, size_bytes):
+            if isinstance(one, bytes):
+                data += one
+            else:
+                data += self.files[one.file][one.offset : one.offset + one.size_bytes]
+        return data
+
+
+@dataclass(eq=False)
+class Answering:
+    """A question for bytes with what is left of its answer."""
+
+    operator: Operator
+    ask: Ask
+    offset: int
 
 
 @dataclass(eq=False)
 class Operator:
-    """Who fetches; what is there of the files survives a restart, asks that are under way do not."""
+    """Who fetches; what is there of the bytes survives a restart, questions that are under way do not."""
 
     fetching: Fetching
     asker: int
-    files: list[bytearray]
-    under_way: set[int] = field(default_factory=set)
+    data: bytearray
 
 
 @dataclass
@@ -89,34 +101,37 @@ class FetchingEnds(Ends):
     is_live: bool = True
     ends_when_done: bool = False
     loses: Callable[[int], bool] = lambda _now_ns: False
-    sender: LinkSender[tuple[Operator, RangeAsk]] = field(default_factory=LinkSender)
+    sender: LinkSender[Answering] = field(default_factory=LinkSender)
     progress: list[tuple[int, int]] = field(default_factory=list)
     """When how many bytes of the order were there."""
     sent_bytes: int = 0
     lost_bytes: int = 0
     """Bytes of the order that left the robot, and those that did not arrive or came in vain."""
     done_ns: int | None = None
+    under_way: int = 0
+    """Parts that did not arrive yet."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        self.operator = self._operator(0)
+        self.operator = self._operator(bytearray(), 1)
         self._wake_ns = math.inf
-        self.at(int(self.from_s * S), self._ask)
+        self.at(int(self.from_s * S), self._look)
 
-    def _operator(self, cursor: int) -> Operator:
-        number = getattr(self, "operator", None)
-        files = number.files if number else [bytearray(len(one)) for one in self.contents.files]
-        fetching = Fetching(self.contents.order.size_bytes, cursor)
-        return Operator(fetching, 1 if number is None else number.asker + 1, files)
+    def _operator(self, data: bytearray, asker: int) -> Operator:
+        return Operator(Fetching("files", asker, offset=len(data)), asker, data)
+
+    @property
+    def has_all(self) -> bool:
+        """Whether what was fetched are the robot's bytes."""
+        order = self.contents.order
+        return bytes(self.operator.data) == self.contents.read(0, order.size_bytes)
 
     def is_over(self) -> bool:
-        return self.ends_when_done and self.done_ns is not None
+        return self.ends_when_done and self.done_ns is not None and not self.under_way
 
     def restart(self, now_ns: int) -> None:
         """The process of the operator is killed and begins again where it was."""
-        # What came out of order was not written.
-        self.lost_bytes += self.operator.fetching.waiting_bytes
-        self.operator = self._operator(self.operator.fetching.cursor)
+        self.operator = self._operator(self.operator.data, self.operator.asker + 1)
         self._ask(now_ns)
 
     def _report(self, now_ns: int) -> None:
@@ -124,75 +139,75 @@ class FetchingEnds(Ends):
             super()._report(now_ns)
 
     def _ask(self, now_ns: int) -> None:
-        operator = self.operator
-        for ask in operator.fetching.asks(now_ns):
-            operator.under_way.add(id(ask))
-            self.at(now_ns + ANSWERED_WITHIN_NS, partial(self._give_up, operator, ask))
+        operator, arrival_ns = self.operator, now_ns + int(self.link.delay_s * S)
+        said = operator.fetching.next(now_ns)
+        if isinstance(said, Ask):
             if self.link.rate(now_ns) > 0 and not self.loses(now_ns):
-                got_bytes = operator.fetching.got_bytes
-                self.at(
-                    now_ns + int(self.link.delay_s * S), partial(self._arrive_ask, operator, ask, got_bytes)
-                )
-        if operator.fetching.unsaid() and self.link.rate(now_ns) > 0:
-            acknowledge = partial(self._acknowledge, operator.asker, operator.fetching.got_bytes)
-            self.at(now_ns + int(self.link.delay_s * S), acknowledge)
-        wake_ns = operator.fetching.wake_ns
-        if wake_ns is not None and wake_ns > now_ns:
-            self.at(wake_ns, self._ask)
+                self.at(arrival_ns, partial(self._arrive_ask, operator, said))
+        elif said is not None and self.link.rate(now_ns) > 0:
+            self.at(arrival_ns, partial(self._arrive_got, said))
 
-    def _acknowledge(self, asker: int, got_bytes: int, now_ns: int) -> None:
-        self.sender.scheduler.requests.acknowledge(asker, got_bytes, now_ns)
+    def _look(self, now_ns: int) -> None:
+        """As the operator's end does where nothing arrives."""
+        self._ask(now_ns)
+        if self.done_ns is None:
+            self.at(now_ns + LOOK_NS, self._look)
 
-    def _arrive_ask(self, operator: Operator, ask: RangeAsk, got_bytes: int, now_ns: int) -> None:
-        assert self.sender.scheduler.requests.enqueue(operator.asker, got_bytes, (operator, ask), now_ns)
+    def _arrive_got(self, got: Got, now_ns: int) -> None:
+        self.sender.scheduler.requests.acknowledge(got.asker, got.got_bytes, now_ns)
+
+    def _arrive_ask(self, operator: Operator, ask: Ask, now_ns: int) -> None:
+        answering = Answering(operator, ask, ask.offset)
+        gone = self.sender.scheduler.requests.enqueue(ask.asker, ask.got_bytes, answering, now_ns)
+        assert gone is not answering
+        self._drop(gone, now_ns)
+
+    def _drop(self, gone: Answering | None, now_ns: int) -> None:
+        """Have who asked hear that nothing more comes."""
+        if gone is not None and self.link.rate(now_ns) > 0:
+            operator, ask = gone.operator, gone.ask
+
+            def end(at_ns: int) -> None:
+                operator.fetching.ended(ask, at_ns)
+
+            self.at(now_ns + int(self.link.delay_s * S), end)
 
     def _pump(self, now_ns: int) -> None:
         super()._pump(now_ns)
-        self.sender.scheduler.requests.expired(now_ns)
-        while (answer := self.sender.scheduler.next_grant(now_ns)) is not None:
-            operator, ask = answer.request
-            size_bytes = min(ask.size_bytes, answer.size_bytes)
-            piece = self.contents.piece(ask.start, size_bytes, answer.size_bytes, answer.waiting)
-            data = PIECES.to_bytes(piece)
-            self.sender.scheduler.requests.sent(answer.client, len(data), now_ns)
-            self.sent_bytes += piece.covered_bytes
+        scheduler = self.sender.scheduler
+        for gone in scheduler.requests.expired(now_ns):
+            self._drop(gone, now_ns)
+        while (grant := scheduler.next_grant(now_ns)) is not None:
+            answering = grant.request
+            part = self.contents.part(answering.offset, grant.size_bytes)
+            data = PARTS.to_bytes(part)
+            answering.offset += len(part.data)
+            scheduler.requests.sent(grant, len(data), now_ns)
+            if answering.offset >= part.total_bytes:
+                scheduler.requests.finish(grant)
+            self.sent_bytes += len(part.data)
+            self.under_way += 1
             arrival_ns = self.link.arrival_ns(len(data) + FRAMING_BYTES, now_ns)
-            self.at(arrival_ns, partial(self._arrive_piece, operator, ask, data))
+            self.at(arrival_ns, partial(self._arrive_part, answering.operator, data))
             super()._pump(now_ns)
-        wake_ns = self.sender.scheduler.requests.wake_ns(now_ns)
+        wake_ns = scheduler.requests.wake_ns(now_ns)
         if wake_ns is not None and not now_ns < self._wake_ns <= wake_ns:
             self._wake_ns = wake_ns
             self.at(wake_ns, lambda _now_ns: None)
 
-    def _arrive_piece(self, operator: Operator, ask: RangeAsk, data: bytes, now_ns: int) -> None:
-        piece = piece_from_bytes(data, ask.size_bytes)
-        if operator is not self.operator or id(ask) not in operator.under_way or self.loses(now_ns):
-            self.lost_bytes += piece.covered_bytes
+    def _arrive_part(self, operator: Operator, data: bytes, now_ns: int) -> None:
+        part = PARTS.from_bytes(data)
+        self.under_way -= 1
+        if operator is not self.operator or self.loses(now_ns):
+            self.lost_bytes += len(part.data)
             return
-        operator.under_way.discard(id(ask))
-        operator.fetching.answered(ask, piece, len(data), now_ns)
-        for one in operator.fetching.pieces():
-            for part, body in bodies(one):
-                start = part.whole.offset + part.skipped_bytes
-                operator.files[part.whole.file][start : start + part.size_bytes] = body
-        self.progress.append((now_ns, operator.fetching.cursor))
+        found = operator.fetching.receive(part, len(data), now_ns)
+        self.lost_bytes += len(part.data) - len(found)
+        operator.data += found
+        self.progress.append((now_ns, operator.fetching.offset))
         if operator.fetching.is_complete and self.done_ns is None:
             self.done_ns = now_ns
         self._ask(now_ns)
-
-    def _give_up(self, operator: Operator, ask: RangeAsk, now_ns: int) -> None:
-        if operator is self.operator and id(ask) in operator.under_way:
-            operator.under_way.discard(id(ask))
-            operator.fetching.answered(ask, None, 0, now_ns)
-            self._ask(now_ns)
-
-
-def bodies(piece: TransferPiece) -> Iterator[tuple[RangePart, bytes]]:
-    """Each part with its bytes."""
-    place = 0
-    for part in piece.parts:
-        yield part, piece.body[place : place + part.size_bytes]
-        place += part.size_bytes
 
 
 LIVE = (

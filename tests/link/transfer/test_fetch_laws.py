@@ -20,14 +20,13 @@ from link.transfer.simulated_fetch import (
     LIVE,
     NEEDS,
     SPARE_LINK,
+    Answering,
     Contents,
     FetchingEnds,
-    Operator,
     Recorded,
     spare_link,
 )
 from smarttestudo.link.protocol.sender import LinkSender
-from smarttestudo.link.transfer.fetching import RangeAsk
 
 GAP_S = 60.0
 FROM_S = 10.0
@@ -48,7 +47,7 @@ def test_a_gap_of_a_minute_comes_whole_and_live_ages_hardly_grow(delay_s: float)
         one.sender.follow(NEEDS)
         one.run(RUN_S)
     assert ends.done_ns is not None
-    assert [bytes(one) for one in ends.operator.files] == contents.files
+    assert ends.has_all
     assert ends.sent_bytes == contents.order.size_bytes, "no byte travels twice"
     span = FROM_S, ends.done_ns / S
     assert quantile(ages_s(ends, *span), 0.95) <= 1.1 * quantile(ages_s(before, *span), 0.95)
@@ -63,7 +62,7 @@ def test_without_live_topics_a_fetch_takes_nearly_all_of_the_link() -> None:
     ends = FetchingEnds(spare_link(), (), contents=contents, is_live=False)
     ends.run(30)
     assert ends.done_ns is not None
-    assert [bytes(one) for one in ends.operator.files] == contents.files
+    assert ends.has_all
     assert contents.order.size_bytes / (ends.done_ns / S) > 0.5 * SPARE_LINK
 
 
@@ -72,14 +71,14 @@ def test_without_live_topics_a_fetch_takes_nearly_all_of_the_link() -> None:
 @pytest.mark.full
 def test_a_fetch_keeps_to_its_budget_and_uses_it(live: Sequence[Source], budget_bytes_per_s: float) -> None:
     contents = Contents.of(GAP, 20.0)
-    sender: LinkSender[tuple[Operator, RangeAsk]] = LinkSender(fetch_budget_bytes_per_s=budget_bytes_per_s)
+    sender: LinkSender[Answering] = LinkSender(fetch_budget_bytes_per_s=budget_bytes_per_s)
     ends = FetchingEnds(
         spare_link(), live, sender=sender, contents=contents, is_live=bool(live), ends_when_done=True
     )
     sender.follow(NEEDS)
     ends.run(1000)
     assert ends.done_ns is not None
-    assert [bytes(one) for one in ends.operator.files] == contents.files
+    assert ends.has_all
     least_s = contents.order.size_bytes / budget_bytes_per_s
     assert least_s - 1 < ends.done_ns / S < 1.3 * least_s
     for (at_ns, cursor), (later_ns, later) in itertools.combinations(ends.progress[::7], 2):
@@ -87,7 +86,7 @@ def test_a_fetch_keeps_to_its_budget_and_uses_it(live: Sequence[Source], budget_
 
 
 def test_without_a_budget_nothing_is_fetched() -> None:
-    sender: LinkSender[tuple[Operator, RangeAsk]] = LinkSender(fetch_budget_bytes_per_s=0.0)
+    sender: LinkSender[Answering] = LinkSender(fetch_budget_bytes_per_s=0.0)
     ends = FetchingEnds(spare_link(), LIVE, sender=sender, contents=Contents.of(GAP, 5.0))
     ends.run(30)
     assert not ends.sent_bytes
@@ -164,5 +163,5 @@ def test_through_losses_cuts_and_restarts_the_bytes_are_those_of_the_robot(
         ends.at(int(at_s * S), ends.restart)
     ends.run(400)
     assert ends.done_ns is not None
-    assert [bytes(one) for one in ends.operator.files] == contents.files
+    assert ends.has_all
     assert ends.sent_bytes <= contents.order.size_bytes + ends.lost_bytes

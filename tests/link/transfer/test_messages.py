@@ -1,195 +1,87 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Questions about incidents and their answers, as they travel, and what strangers send in their place."""
+"""Questions for bytes and their parts are what travelled; what lies is refused."""
 
 from __future__ import annotations
-
-from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.incident import RemoteIncident
-from smarttestudo.link.protocol.wire import FrameType, Kind, frame
-from smarttestudo.link.transfer.messages import (
-    LISTS,
-    MAX_LIST_BYTES,
-    PIECES,
-    PLANS,
-    QUESTIONS,
-    AskBytes,
-    AskList,
-    AskPlan,
-    PlannedFile,
-    TransferPiece,
-    TransferPlan,
-    list_from_bytes,
-    list_to_bytes,
-    piece_from_bytes,
-)
-from smarttestudo.link.transfer.order import ByteRange, Level, RangePart
+from smarttestudo.link.protocol.wire import Kind, frame
+from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, NEWEST, PARTS, Ask, Got, Part
 
-TOKEN = bytes(range(16))
-SHA = "00" * 32
+VERSION = bytes(range(8))
 
 
-@given(
-    st.integers(0, 2**64 - 1), st.integers(0, 2**64 - 1), st.integers(0, 2**64 - 1), st.integers(0, 16_000)
-)
-def test_a_question_is_what_travelled(asker: int, got: int, cursor: int, size: int) -> None:
-    ask = AskBytes(name="a-1", token=TOKEN, asker=asker, got_bytes=got, cursor=cursor, size_bytes=size)
-    for question in (ask, AskList(), AskPlan(name="20260102T030405678Z-near_miss")):
-        assert QUESTIONS.from_bytes(QUESTIONS.to_bytes(question)) == question
+@given(st.integers(0, 2**64 - 1), st.integers(0, 2**64 - 1), st.integers(0, 2**64 - 1))
+def test_a_question_is_what_travelled(asker: int, got: int, offset: int) -> None:
+    for name, version in (("a-1/files", VERSION), ("", NEWEST), ("20260102T030405678Z-near_miss", NEWEST)):
+        ask = Ask(name=name, version=version, asker=asker, got_bytes=got, offset=offset)
+        for said in (ask, Got(asker=asker, got_bytes=got)):
+            assert ASKS.from_bytes(ASKS.to_bytes(said)) == said
 
 
 @given(st.binary(max_size=100))
 def test_random_bytes_are_a_question_or_refused(data: bytes) -> None:
-    for start in (b"", *(frame(Kind.INCIDENT_QUESTION, one) for one in (b"\0", b"\1", b"\2"))):
+    for start in (b"", *(frame(Kind.ASK, one) for one in (b"\0", b"\1"))):
         try:
-            question = QUESTIONS.from_bytes(start + data)
+            said = ASKS.from_bytes(start + data)
         except LinkError:
             continue
-        assert QUESTIONS.to_bytes(question) == start + data
+        assert ASKS.to_bytes(said) == start + data
 
 
-@pytest.mark.parametrize("name", ["", "../x", "a/b", ".hidden", "a" * 101, "a\n", "ä", "\0"])
-def test_no_name_of_an_incident_leads_elsewhere(name: str) -> None:
+@pytest.mark.parametrize("name", ["../x", "/a", ".hidden", "a" * 121, "a\n", "ä", "\0", "a/../b", "a.b"])
+def test_no_name_leads_elsewhere(name: str) -> None:
     with pytest.raises(LinkError):
-        QUESTIONS.from_bytes(QUESTIONS.to_bytes(AskPlan(name=name)))
-
-
-def incident(name: object, **changes: object) -> RemoteIncident:
-    values: dict[str, object] = {
-        "robot": "ada",
-        "name": name,
-        "label": "near miss",
-        "rule": "Close call",
-        "triggered_ns": 5,
-        "from_ns": 0,
-        "to_ns": 9,
-        "messages": 3,
-        "size_bytes": 700,
-        "missing": ("late",),
-        **changes,
-    }
-    return RemoteIncident(**values)  # type: ignore[arg-type]
-
-
-def test_a_list_is_what_travelled_and_the_newest_of_too_many() -> None:
-    few = [incident(f"i{n}", is_read=n % 2 == 0) for n in range(5)]
-    assert list_from_bytes(list_to_bytes(few), "ada") == few
-    assert list_from_bytes(list_to_bytes([]), "ada") == []
-    many = [incident(f"i{n}", rule="r" * 999) for n in range(5_000)]
-    data = list_to_bytes(many)
-    found = list_from_bytes(data, "ada")
-    assert found == many[-len(found) :]
-    assert len(data) <= MAX_LIST_BYTES
-    assert len(found) > 500
+        ASKS.from_bytes(ASKS.to_bytes(Ask(name=name, version=NEWEST, asker=1, got_bytes=0, offset=0)))
 
 
 @pytest.mark.parametrize(
-    "change",
+    "lie",
     [
-        {"name": "../../etc/passwd"},
-        {"name": "a/b"},
-        {"name": "x" * 10_000},
-        {"missing": ("x" * 2_000,)},
-        {"label": "x" * 2_000},
+        Ask(name="a", version=b"short", asker=1, got_bytes=0, offset=0),
+        Ask(name="a", version=VERSION, asker=1, got_bytes=0, offset=-1),
+        Ask(name="a", version=VERSION, asker=1, got_bytes=-1, offset=0),
+        Got(asker=-1, got_bytes=0),
     ],
 )
-def test_a_list_that_lies_is_refused(change: dict[str, object]) -> None:
+def test_a_question_that_lies_is_refused(lie: Ask | Got) -> None:
     with pytest.raises(LinkError):
-        list_from_bytes(LISTS.to_bytes((incident(**{"name": "i", **change}),)), "ada")
+        ASKS.from_bytes(ASKS.to_bytes(lie))
+
+
+@given(st.binary(min_size=1, max_size=200), st.integers(0, 2**60), st.integers(0, 2**60))
+def test_a_part_is_what_travelled(data: bytes, offset: int, more: int) -> None:
+    part = Part(version=VERSION, total_bytes=offset + len(data) + more, offset=offset, data=data)
+    assert PARTS.from_bytes(PARTS.to_bytes(part)) == part
 
 
 @pytest.mark.parametrize(
-    ("messages", "start"),
+    "lie",
     [
-        (LISTS, frame(Kind.INCIDENT_LIST, b"\1")),
-        (PLANS, frame(Kind.INCIDENT_PLAN, b"\x10" + TOKEN)),
+        Part(version=VERSION, total_bytes=4, offset=0, data=b"12345"),
+        Part(version=VERSION, total_bytes=10, offset=6, data=b"12345"),
+        Part(version=VERSION, total_bytes=2**63, offset=0, data=b"12345"),
+        Part(version=VERSION, total_bytes=10, offset=-1, data=b"12345"),
+        Part(version=VERSION, total_bytes=10, offset=0, data=b""),
+        Part(version=NEWEST, total_bytes=10, offset=0, data=b"12345"),
+        Part(version=VERSION, total_bytes=2**40, offset=0, data=bytes(MAX_PART_BYTES + 1)),
     ],
 )
-@given(data=st.binary(max_size=200))
-def test_random_bytes_are_a_list_or_a_plan_or_refused(
-    messages: FrameType[Any], start: bytes, data: bytes
-) -> None:
-    try:
-        found = messages.from_bytes(start + data)
-    except LinkError:
-        return
-    assert messages.from_bytes(messages.to_bytes(found)) == found
-
-
-def test_a_plan_is_what_travelled() -> None:
-    plan = TransferPlan(
-        token=TOKEN,
-        files=(PlannedFile("incident.json", 7, SHA), PlannedFile("i_0.mcap", 9, SHA)),
-        levels=(Level(5, 1.0), Level(9, float("inf"))),
-    )
-    assert PLANS.from_bytes(PLANS.to_bytes(plan)) == plan
-    assert plan.size_bytes == 16
-
-
-@pytest.mark.parametrize(
-    "files",
-    [
-        [("../x", 1, SHA)],
-        [("/etc/passwd", 1, SHA)],
-        [("a/b.mcap", 1, SHA)],
-        [(".fetch.json", 1, SHA)],
-        [("..", 1, SHA)],
-        [("", 1, SHA)],
-        [("x" * 200, 1, SHA)],
-        [("a", 1, SHA), ("A", 1, SHA)],
-        [("a", -1, SHA)],
-        [("a", 2**63, SHA)],
-        [("a", 1, "zz")],
-        [("a", 1, "00")],
-        [(f"f{n}", 1, SHA) for n in range(1_001)],
-    ],
-)
-def test_a_plan_that_lies_is_refused(files: list[tuple[str, int, str]]) -> None:
-    plan = TransferPlan(token=TOKEN, files=tuple(PlannedFile(*one) for one in files), levels=())
-    for lie in (plan, TransferPlan(token=b"short", files=(), levels=())):
-        with pytest.raises(LinkError):
-            PLANS.from_bytes(PLANS.to_bytes(lie))
-
-
-PARTS = (
-    RangePart(ByteRange(0, 0, 100), 20, 80),
-    RangePart(ByteRange(3, 2**40, 50, (0, 10)), 0, 50),
-    RangePart(ByteRange(1, 5, 9), 0, 4),
-)
-
-
-def test_a_piece_is_what_travelled() -> None:
-    piece = TransferPiece(parts=PARTS, body=bytes(range(84)), advised_bytes=700, waiting=3)
-    assert piece.covered_bytes == 134
-    assert piece_from_bytes(PIECES.to_bytes(piece), 134) == piece
-
-
-def test_a_piece_that_is_larger_than_what_was_asked_for_is_refused() -> None:
-    piece = TransferPiece(parts=PARTS, body=bytes(84), advised_bytes=700, waiting=3)
+def test_a_part_that_lies_is_refused(lie: Part) -> None:
     with pytest.raises(LinkError):
-        piece_from_bytes(PIECES.to_bytes(piece), 133)
-    short = TransferPiece(parts=PARTS, body=bytes(83), advised_bytes=700, waiting=3)
-    with pytest.raises(LinkError):
-        piece_from_bytes(PIECES.to_bytes(short), 500)
-    beyond = TransferPiece(
-        parts=(RangePart(ByteRange(0, 0, 10), 5, 6),), body=bytes(6), advised_bytes=1, waiting=0
-    )
-    with pytest.raises(LinkError):
-        piece_from_bytes(PIECES.to_bytes(beyond), 500)
+        PARTS.from_bytes(PARTS.to_bytes(lie))
 
 
 @given(st.binary(max_size=200))
-def test_random_bytes_are_a_piece_or_refused(data: bytes) -> None:
-    whole = PIECES.to_bytes(TransferPiece(parts=PARTS, body=bytes(84), advised_bytes=700, waiting=3))
-    for attempt in (data, whole[:6] + data):
+def test_random_bytes_are_a_part_or_refused(data: bytes) -> None:
+    whole = PARTS.to_bytes(Part(version=VERSION, total_bytes=300, offset=20, data=bytes(84)))
+    for attempt in (data, whole[:14] + data):
         try:
-            piece = piece_from_bytes(attempt, 300)
+            part = PARTS.from_bytes(attempt)
         except LinkError:
             continue
-        assert 0 < piece.covered_bytes <= 300
+        assert PARTS.to_bytes(part) == attempt

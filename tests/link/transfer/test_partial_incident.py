@@ -7,33 +7,50 @@ from __future__ import annotations
 import hashlib
 from dataclasses import replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.files.whole_file import OutputFileError
-from smarttestudo.link.transfer.messages import PlannedFile, TransferPiece, TransferPlan
-from smarttestudo.link.transfer.order import ByteRange, RangePart
+from smarttestudo.link.transfer.order import ByteRange, TransferOrder
 from smarttestudo.link.transfer.partial_incident import STATE_NAME, PartialIncident
+from smarttestudo.link.transfer.plan import PlannedFile, TransferPlan
 
 NAME = "20260102T030405678Z-near_miss"
 DATA = bytes(range(200))
 
 
-def plan(token: int = 1, data: bytes = DATA, *, name: str = "a.mcap") -> TransferPlan:
-    sha256 = hashlib.sha256(data).hexdigest()
-    return TransferPlan(token=bytes([token] * 16), files=(PlannedFile(name, len(data), sha256),), levels=())
+ORDER = TransferOrder([ByteRange(0, 0, 50), ByteRange(0, 50, 50)], [], [ByteRange(0, 100, 100)])
 
 
-def piece(start: int, end: int) -> TransferPiece:
-    part = RangePart(ByteRange(0, 0, len(DATA)), start, end - start)
-    return TransferPiece(parts=(part,), body=DATA[start:end], advised_bytes=1, waiting=0)
+HALF = ORDER.size_bytes - 103
+"""Up to where the last range begins, whose head has three bytes."""
+
+
+def plan(version: int = 1, data: bytes = DATA, *, name: str = "a.mcap") -> TransferPlan:
+    return TransferPlan(
+        version=bytes([version] * 8),
+        files=(PlannedFile(name, len(data), hashlib.sha256(data).hexdigest()),),
+        levels=(),
+        order_bytes=ORDER.size_bytes,
+    )
+
+
+def travelling(order: TransferOrder = ORDER, data: bytes = DATA) -> bytes:
+    """All bytes of the order."""
+    return b"".join(
+        one if isinstance(one, bytes) else data[one.offset : one.offset + one.size_bytes]
+        for one in order.stretches(0, order.size_bytes)
+    )
 
 
 def begin(folder: Path) -> Path:
     """Half of it is there."""
     with PartialIncident(folder, NAME, plan()) as partial:
-        partial.write(piece(0, 100))
+        partial.write(travelling()[:HALF])
         partial.save()
         return partial.path
 
@@ -41,23 +58,58 @@ def begin(folder: Path) -> Path:
 def test_another_fetch_goes_on(tmp_path: Path) -> None:
     begin(tmp_path)
     with PartialIncident(tmp_path, NAME, plan()) as partial:
-        assert partial.cursor == 100
-        partial.write(piece(100, 200))
+        assert (partial.cursor, partial.got_bytes) == (HALF, 100)
+        partial.write(travelling()[HALF:])
         path = partial.finish()
     assert path == tmp_path / NAME
     assert {one.name: one.read_bytes() for one in path.iterdir()} == {"a.mcap": DATA}
 
 
+@given(st.lists(st.integers(0, ORDER.size_bytes), max_size=8).map(sorted))
+def test_however_it_is_cut_another_fetch_goes_on_with_the_next_byte(cuts: list[int]) -> None:
+    whole = travelling()
+    with TemporaryDirectory() as folder:
+        for end in cuts:
+            with PartialIncident(Path(folder), NAME, plan()) as partial:
+                partial.write(whole[partial.cursor : end])
+                partial.save()
+        with PartialIncident(Path(folder), NAME, plan()) as partial:
+            partial.write(whole[partial.cursor :])
+            assert partial.got_bytes == len(DATA)
+            assert (partial.finish() / "a.mcap").read_bytes() == DATA
+
+
+@pytest.mark.parametrize(
+    "lie",
+    [
+        ByteRange(1, 0, 5),
+        ByteRange(0, 190, 20),
+        ByteRange(0, 2**50, 5),
+    ],
+)
+def test_a_range_that_is_in_no_file_is_refused(tmp_path: Path, lie: ByteRange) -> None:
+    order = TransferOrder([lie], [])
+    with PartialIncident(tmp_path, NAME, plan()) as partial, pytest.raises(LinkError, match="in no file"):
+        partial.write(b"".join(one for one in order.stretches(0, 60) if isinstance(one, bytes)))
+
+
+def test_no_more_is_written_than_the_plan_says(tmp_path: Path) -> None:
+    with PartialIncident(tmp_path, NAME, plan()) as partial:
+        partial.write(travelling())
+        with pytest.raises(LinkError, match="more than the incident has"):
+            partial.write(travelling())
+
+
 def test_what_a_kill_left_of_a_state_is_no_part_of_the_incident(tmp_path: Path) -> None:
     (begin(tmp_path) / f".{STATE_NAME}-aa5xrize.partial").touch()
     with PartialIncident(tmp_path, NAME, plan()) as partial:
-        partial.write(piece(100, 200))
+        partial.write(travelling()[HALF:])
         path = partial.finish()
     assert [one.name for one in path.iterdir()] == ["a.mcap"]
 
 
 @pytest.mark.parametrize(
-    "state", [b"", b"garbage", b"[" * 50_000, b'{"token": 1, "cursor": 100}', b'{"cursor": -1}', b"null"]
+    "state", [b"", b"garbage", b"[" * 50_000, b'{"version": 1, "cursor": 100}', b'{"cursor": -1}', b"null"]
 )
 def test_a_state_that_was_edited_begins_anew(tmp_path: Path, state: bytes) -> None:
     (begin(tmp_path) / STATE_NAME).write_bytes(state)
@@ -69,7 +121,7 @@ def test_what_is_there_of_another_plan_is_deleted_and_nothing_else(tmp_path: Pat
     path = begin(tmp_path)
     (path / "mine.mcap").write_bytes(b"mine")
     (path / "folder").mkdir()
-    with PartialIncident(tmp_path, NAME, plan(token=2, name="b.mcap")) as partial:
+    with PartialIncident(tmp_path, NAME, plan(version=2, name="b.mcap")) as partial:
         assert partial.cursor == 0
     names = {one.name for one in path.iterdir() if not one.name.startswith(".")}
     assert names == {"b.mcap", "mine.mcap", "folder"}
@@ -85,7 +137,7 @@ def test_a_file_that_was_cut_begins_anew(tmp_path: Path) -> None:
 
 def test_what_is_not_what_the_robot_has_is_said_and_deleted(tmp_path: Path) -> None:
     with PartialIncident(tmp_path, NAME, plan(data=DATA[::-1])) as partial:
-        partial.write(piece(0, 200))
+        partial.write(travelling())
         with pytest.raises(LinkError, match=r"a\.mcap is not what the robot has"):
             partial.finish()
         assert not (partial.path / "a.mcap").exists()
@@ -96,7 +148,7 @@ def test_a_folder_in_which_nothing_was_written_goes_and_one_with_anything_in_it_
     with PartialIncident(tmp_path, NAME, plan()):
         pass
     with PartialIncident(tmp_path, NAME, plan(data=DATA[::-1])) as partial:
-        partial.write(piece(0, 200))
+        partial.write(travelling())
         with pytest.raises(LinkError):
             partial.finish()
     with pytest.raises(OutputFileError, match="no room"):
@@ -104,9 +156,7 @@ def test_a_folder_in_which_nothing_was_written_goes_and_one_with_anything_in_it_
     assert list(tmp_path.iterdir()) == []
     path = begin(tmp_path)
     with pytest.raises(OutputFileError, match="no room"):
-        PartialIncident(
-            tmp_path, NAME, TransferPlan(token=bytes(16), files=(PlannedFile("b", 2**60, ""),), levels=())
-        )
+        PartialIncident(tmp_path, NAME, replace(plan(version=2), files=(PlannedFile("b", 2**60, ""),)))
     assert (path / "a.mcap").read_bytes()[:100] == DATA[:100]
 
 
@@ -151,7 +201,7 @@ def test_no_name_leads_out_of_the_folder(tmp_path: Path, name: str) -> None:
 
 
 def test_what_the_disk_has_no_room_for_is_not_begun(tmp_path: Path) -> None:
-    huge = TransferPlan(token=bytes(16), files=(PlannedFile("a.mcap", 2**60, "00" * 32),), levels=())
+    huge = replace(plan(), files=(PlannedFile("a.mcap", 2**60, "00" * 32),))
     with pytest.raises(
         OutputFileError, match=r"there is no room for 1 152 921 504 606\.8 MB with 50\.0 MB to spare"
     ):

@@ -21,7 +21,7 @@ import pytest
 import zenoh
 
 from smarttestudo.cli import incidents as incidents_command
-from smarttestudo.link.zenoh import incidents, statuses
+from smarttestudo.link.zenoh import incidents, statuses, transfer
 
 __all__ = ["network", "virtual_time"]
 
@@ -38,7 +38,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
 def virtual_time(monkeypatch: pytest.MonkeyPatch) -> VirtualTime:
     """The time of who lists, fetches and watches."""
     time = VirtualTime()
-    for module in (incidents, incidents_command, statuses):
+    for module in (incidents, incidents_command, statuses, transfer):
         monkeypatch.setattr(module, "time", time)
     return time
 

@@ -22,11 +22,7 @@ from link.zenoh.fetched_incidents import (
     write_incident,
 )
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.transfer.messages import (
-    MAX_ASK_BYTES,
-    QUESTIONS,
-    AskBytes,
-)
+from smarttestudo.link.transfer.messages import ASKS, VERSION_BYTES, Ask
 from smarttestudo.link.zenoh.incidents import LinkIncidents
 
 pytestmark = pytest.mark.full
@@ -121,8 +117,8 @@ def test_several_fetch_beside_each_other_and_over_the_end_of_an_operator(tmp_pat
 def test_others_are_answered_while_a_stranger_asks_all_the_time(tmp_path: Path) -> None:
     endpoint = free_endpoint()
     path = write_incident(tmp_path / "robot")
-    many = QUESTIONS.to_bytes(
-        AskBytes(name=NAME, token=bytes(16), asker=1, got_bytes=2**63, cursor=2**63, size_bytes=MAX_ASK_BYTES)
+    many = ASKS.to_bytes(
+        Ask(name=f"{NAME}/files", version=bytes(VERSION_BYTES), asker=1, got_bytes=2**63, offset=2**63)
     )
     with (
         listening_robot(endpoint, path.parent) as end,

@@ -18,19 +18,10 @@ from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import FetchProgress
 from smarttestudo.link.protocol.wire import WIRE_VERSION
-from smarttestudo.link.transfer.messages import (
-    PIECES,
-    PLANS,
-    QUESTIONS,
-    AskBytes,
-    AskPlan,
-    PlannedFile,
-    TransferPiece,
-    TransferPlan,
-)
-from smarttestudo.link.transfer.order import ByteRange, RangePart
+from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, PARTS, VERSION_BYTES, Ask, Part
+from smarttestudo.link.transfer.order import ByteRange, TransferOrder
+from smarttestudo.link.transfer.plan import PLANS, PlannedFile, TransferPlan
 from smarttestudo.link.zenoh import open_robot_end
-from smarttestudo.link.zenoh.compression import packed
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.link.zenoh.session import open_session
 
@@ -122,7 +113,7 @@ def test_an_empty_folder_with_its_name_is_no_incident_that_was_fetched(tmp_path:
 
 @pytest.mark.parametrize(
     "question",
-    [b"", b"malformed", VERSION + b"\x0c\1\x09../../etc", VERSION + b"\x0c\2" + bytes(60), bytes(5_000)],
+    [b"", b"malformed", VERSION + b"\x0c\0\x09../../etc", VERSION + b"\x0c\1" + bytes(60), bytes(5_000)],
 )
 def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answered(
     tmp_path: Path, question: bytes
@@ -138,28 +129,37 @@ def test_a_stranger_who_asks_what_is_malformed_is_refused_and_others_are_answere
     assert contents(fetched) == contents(path)
 
 
-Answer = Callable[[AskPlan | AskBytes], bytes]
+Answer = Callable[[Ask], bytes]
 SHA = "00" * 32
-LIED = TransferPlan(token=bytes(16), files=(PlannedFile("a.mcap", 3_000, SHA),), levels=())
+LIED = TransferPlan(
+    version=bytes(VERSION_BYTES), files=(PlannedFile("a.mcap", 3_000, SHA),), levels=(), order_bytes=3_004
+)
 
 
-def whole_piece(ask: AskBytes, file: int = 0, offset: int | None = None, size: int | None = None) -> bytes:
-    size = ask.size_bytes if size is None else size
-    part = RangePart(ByteRange(file, ask.cursor if offset is None else offset, size), 0, size)
-    return PIECES.to_bytes(TransferPiece(parts=(part,), body=bytes(size), advised_bytes=900, waiting=0))
+def part_of(data: bytes, ask: Ask, version: bytes = bytes(VERSION_BYTES)) -> bytes:
+    """The first part of these bytes from where they are asked for."""
+    some = data[ask.offset : ask.offset + MAX_PART_BYTES]
+    return PARTS.to_bytes(Part(version=version, total_bytes=len(data), offset=ask.offset, data=some))
+
+
+def travelling(range_: ByteRange) -> bytes:
+    """A range as it travels, with zeros for its bytes, cut or filled up to what the plan says."""
+    order = TransferOrder([range_], [])
+    head = next(one for one in order.stretches(0, 60) if isinstance(one, bytes))
+    return (head + bytes(3_004))[:3_004]
 
 
 def lie(**changes: object) -> Answer:
     plan = PLANS.to_bytes(replace(LIED, **changes))  # type: ignore[arg-type]
-
-    def answer(question: AskPlan | AskBytes) -> bytes:
-        return packed(plan) if isinstance(question, AskPlan) else whole_piece(question)
-
-    return answer
+    return lambda ask: part_of(travelling(ByteRange(0, 0, 3_000)) if "/" in ask.name else plan, ask)
 
 
-def lying_piece(make: Callable[[AskBytes], bytes]) -> Answer:
-    return lambda question: packed(PLANS.to_bytes(LIED)) if isinstance(question, AskPlan) else make(question)
+def lying_part(make: Callable[[Ask], bytes]) -> Answer:
+    return lambda ask: make(ask) if "/" in ask.name else part_of(PLANS.to_bytes(LIED), ask)
+
+
+def lying_range(range_: ByteRange) -> Answer:
+    return lying_part(lambda ask: part_of(travelling(range_), ask))
 
 
 @pytest.mark.parametrize(
@@ -169,15 +169,17 @@ def lying_piece(make: Callable[[AskBytes], bytes]) -> Answer:
         lie(files=(PlannedFile("/tmp/outside", 3_000, SHA),)),
         lie(files=(PlannedFile("a.mcap", 2**61, SHA),)),
         lie(),
-        lying_piece(lambda ask: whole_piece(ask, file=1)),
-        lying_piece(lambda ask: whole_piece(ask, offset=2_500)),
-        lying_piece(lambda ask: whole_piece(ask, offset=2**50)),
-        lying_piece(lambda ask: whole_piece(ask, offset=0)),
-        lying_piece(lambda ask: whole_piece(ask, size=ask.size_bytes + 1)),
-        lying_piece(lambda _: b"malformed"),
-        lying_piece(lambda ask: whole_piece(ask)[:-1]),
+        lying_range(ByteRange(1, 0, 3_000)),
+        lying_range(ByteRange(0, 2_500, 3_000)),
+        lying_range(ByteRange(0, 2**50, 3_000)),
+        lying_part(lambda ask: part_of(bytes(3_004), ask)),
+        lying_part(lambda ask: part_of(b"\xff" * 3_004, ask)),
+        lying_part(lambda ask: part_of(bytes(2_000), ask)),
+        lying_part(lambda ask: part_of(bytes(3_004), ask, b"another!")),
+        lying_part(lambda _: b"malformed"),
+        lying_part(lambda ask: part_of(bytes(3_004), ask)[:-1]),
         lambda _: b"malformed",
-        lambda _: packed(VERSION + b"\x0e" + b"[" * 100_000),
+        lambda ask: part_of(VERSION + b"\x0e" + b"[" * 100_000, ask),
     ],
 )
 def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answer) -> None:
@@ -191,10 +193,10 @@ def test_a_robot_that_lies_costs_its_own_fetch_only(tmp_path: Path, answer: Answ
 
         def take(query: zenoh.Query) -> None:
             assert query.payload is not None
-            question = QUESTIONS.from_bytes(query.payload.to_bytes())
+            said = ASKS.from_bytes(query.payload.to_bytes())
             with query:
-                if isinstance(question, AskPlan) or (isinstance(question, AskBytes) and question.size_bytes):
-                    query.reply(end.boot.incidents_key, answer(question))
+                if isinstance(said, Ask):
+                    query.reply(end.boot.incidents_key, answer(said))
 
         liar = session.declare_queryable(end.boot.incidents_key, take)
         with fetching_from(endpoint) as incidents, pytest.raises(TestudoError):

@@ -9,12 +9,12 @@ from typing import Generic, TypeVar
 
 from smarttestudo.domain.profile import UNLIMITED_KB_PER_S
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.link.protocol.background import BackgroundRequests, Grant
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, Acknowledgement
 from smarttestudo.link.protocol.datagram_window import DatagramWindow
 from smarttestudo.link.protocol.outbox import Outbox
 from smarttestudo.link.protocol.outgoing_stream import Encode
 from smarttestudo.link.protocol.repair import LossShare, SentParts
+from smarttestudo.link.protocol.requests import Grant, Requests
 from smarttestudo.link.protocol.window import Window
 
 STALLED_AFTER_NS = NS_PER_S
@@ -101,7 +101,7 @@ class Scheduler(Generic[_Request]):
     """All that waits for one link and is under way on it, in the time that is passed in.
 
     The ``outbox`` says which message of the live streams is next, the ``window`` how many bytes may be under
-    way, and ``requests`` are answered while both leave the link free. The ``budget`` is learned from all.
+    way, and ``requests`` are answered beside them. The ``budget`` is learned from all.
     It is open, so that live messages go, up to ``open_until_ns``. Who is served and what a session begins
     with is not decided here.
 
@@ -120,9 +120,7 @@ class Scheduler(Generic[_Request]):
         self.outbox.open(CONTROL_STREAM)
         self.window: Window | DatagramWindow = Window()
         self.budget = BudgetEstimator()
-        self.requests: BackgroundRequests[_Request] = BackgroundRequests(
-            self._live_window, fetch_budget_bytes_per_s
-        )
+        self.requests: Requests[_Request] = Requests(self._live_window, fetch_budget_bytes_per_s)
 
     @property
     def is_by_datagrams(self) -> bool:
@@ -200,9 +198,8 @@ class Scheduler(Generic[_Request]):
 
     def next_grant(self, now_ns: int) -> Grant[_Request] | None:
         """The request to answer now; to be asked for when ``next_chunk`` has nothing."""
-        if self.is_open(now_ns) and (not self.outbox.is_empty or self.is_stalled(now_ns)):
-            return None
-        return self.requests.next(now_ns)
+        is_busy = self.is_open(now_ns) and (not self.outbox.is_empty or self.is_stalled(now_ns))
+        return self.requests.next(now_ns, is_free=not is_busy)
 
     def has_next(self, now_ns: int) -> bool:
         """Whether ``next_chunk`` or ``next_grant`` may give something."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Statuses over a link, as JSON objects: a full one first, then each compressed by the one before."""
+"""Statuses over a link, as JSON objects: each compressed by the one before, or alone for who asks."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ Decompress = Callable[[bytes, int, bytes], bytes]
 
 
 class StatusSender:
-    """One status after the other as it travels. ``full`` may be asked for between two of them."""
+    """One status after the other as it travels, and all of the last one with its ``number``."""
 
     def __init__(self, is_measured: IsMeasured, compress: Compress) -> None:
         self._is_measured = is_measured
         self._compress = compress
-        self._number = 0
+        self.number = 0
         self._record: object = None
         self._text = b""
         self._measured_ns: int | None = None
@@ -52,17 +52,14 @@ class StatusSender:
             self._record = self._held(self._record, record, ())
         text = in_utf_8(json_text(self._record, ascii_only=False, compact=True))
         before, self._text = self._text, text.encode()
-        self._number += 1
-        return self._frame(Kind.STATUS_CHANGES, before) if before else self.full()
+        self.number += 1
+        return frame(Kind.STATUS_CHANGES, varint(self.number) + self._compress(self._text, before))
 
     def full(self) -> bytes:
-        """All of the last status, for whoever has none yet. Raises ``LinkError`` before the first."""
-        if not self._number:
+        """All of the last status, compressed. Raises ``LinkError`` before the first."""
+        if not self.number:
             raise LinkError("there is no status yet", remedy="try again")
-        return self._frame(Kind.STATUS, b"")
-
-    def _frame(self, kind: Kind, before: bytes) -> bytes:
-        return frame(kind, varint(self._number) + self._compress(self._text, before))
+        return self._compress(self._text, b"")
 
     def _held(self, before: object, now: object, path: Path) -> object:
         """``now`` with what is measured as it was ``before``."""
@@ -86,30 +83,26 @@ class StatusReceiver:
         self._waiting: dict[int, bytes] = {}
 
     def receive(self, data: bytes) -> Record | None:
-        """The status that is whole with ``data``, if one is. Raises ``LinkError`` for anything else."""
+        """The status that is whole with these changes, if one is. Raises ``LinkError`` for anything else."""
         kind, reader = kind_of(data), Reader(data, HEAD_BYTES)
-        if kind not in (Kind.STATUS, Kind.STATUS_CHANGES):
+        if kind != Kind.STATUS_CHANGES:
             raise malformed("no status")
         number, body = reader.varint(), reader.rest()
-        if kind == Kind.STATUS:
-            return self._receive_full(number, body)
-        if not self.needs_full and number == self._number + 1:
+        # The first of all is a change of nothing.
+        if number == self._number + 1 and (number == 1 or not self.needs_full):
             return self._apply(number, body)
         if self.needs_full or not 0 <= self._number - number < _MAX_WAITING:
             self.needs_full = True
-            self._keep(number, body)
+            while len(self._waiting) >= _MAX_WAITING:
+                del self._waiting[next(iter(self._waiting))]
+            self._waiting[number] = body
         return None
 
-    def _keep(self, number: int, changes: bytes) -> None:
-        while len(self._waiting) >= _MAX_WAITING:
-            del self._waiting[next(iter(self._waiting))]
-        self._waiting[number] = changes
-
-    def _receive_full(self, number: int, body: bytes) -> Record | None:
+    def receive_full(self, number: int, body: bytes) -> Record | None:
+        """The status with this number, of which all was asked for, or one after it. Raises ``LinkError``."""
         if not self.needs_full and number <= self._number:
             return None
         record = self._read(number, body, b"")
-        self.needs_full = False
         waiting, self._waiting = self._waiting, {}
         with contextlib.suppress(LinkError):
             while self._number + 1 in waiting:
@@ -131,7 +124,7 @@ class StatusReceiver:
             raise malformed("a status that is not readable") from error
         if not isinstance(record, dict) or _is_deeper(record, _MAX_DEPTH):
             raise malformed("a status that is no object of a usual size")
-        self._number, self._text = number, text
+        self._number, self._text, self.needs_full = number, text, False
         return record
 
 

@@ -17,7 +17,7 @@ from typing import Any, Generic, NamedTuple, TypeVar, Union, get_args, get_origi
 
 from smarttestudo.domain.errors import LinkError
 
-WIRE_VERSION = 6
+WIRE_VERSION = 7
 """Frames began with version 3: statuses of version 1 began with 1 or 2."""
 HEAD_BYTES = 2
 """The version and the kind."""
@@ -41,7 +41,6 @@ class Kind(IntEnum):
     CHUNK = 1
     REPORT = 2
     CONTROL = 3
-    STATUS = 4
     STATUS_CHANGES = 5
     COMMAND = 6
     COMMAND_REPORT = 7
@@ -49,10 +48,10 @@ class Kind(IntEnum):
     CHANGING_QUESTION = 9
     ANSWER = 10
     REFUSAL = 11
-    INCIDENT_QUESTION = 12
+    ASK = 12
     INCIDENT_LIST = 13
     INCIDENT_PLAN = 14
-    INCIDENT_PIECE = 15
+    PART = 15
     DATAGRAM_REQUEST = 16
     DATAGRAM_OFFER = 17
     PING = 18

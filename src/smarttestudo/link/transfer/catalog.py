@@ -9,7 +9,7 @@ import os
 import stat
 import struct
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import BinaryIO
@@ -30,81 +30,100 @@ from smarttestudo.domain.errors import LinkError, RecordingError
 from smarttestudo.domain.incident import RemoteIncident
 from smarttestudo.files.input_file import sha256_of_files
 from smarttestudo.incidents.store import READ_NAME, IncidentStore
-from smarttestudo.link.transfer.messages import (
+from smarttestudo.link.transfer.messages import VERSION_BYTES, Content, WholeContent
+from smarttestudo.link.transfer.order import ByteRange, MessageRange, TransferOrder
+from smarttestudo.link.transfer.plan import (
+    FILES,
     MAX_FILES,
-    TOKEN_BYTES,
+    PLANS,
     PlannedFile,
     TransferPlan,
     is_incident_name,
+    list_to_bytes,
     no_incident,
 )
-from smarttestudo.link.transfer.order import ByteRange, MessageRange, RangePart, TransferOrder
 
-MAX_INDEXES = 4
+MAX_OPEN = 4
 """How many incidents may be fetched at once without their files being looked through again and again."""
-_ORDER_VERSION = b"1"
-_MOST_COPIED_BYTES = 1_000_000
+_ORDER_VERSION = b"2"
 _MAX_CHANNEL_BYTES = 1_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class IncidentIndex:
-    """An incident with the order in which its bytes travel."""
+class IncidentContent:
+    """The bytes of an incident's files, in the order in which they travel."""
 
     plan: TransferPlan
     order: TransferOrder
     paths: tuple[Path, ...]
+    is_urgent: bool = False
 
-    def read(self, cursor: int, size_bytes: int) -> tuple[tuple[RangePart, ...], bytes]:
-        """Parts of the order from ``cursor`` on, and the bytes of those that are no copies.
+    @property
+    def version(self) -> bytes:
+        return self.plan.version
 
-        Raises ``LinkError`` where a file is gone or shorter than it was.
-        """
-        parts = tuple(self.order.parts(cursor, size_bytes))
-        body = bytearray()
-        with _errors_at(self.paths[0].parent.name if self.paths else ""):
-            for file, start, size in _own_stretches(parts):
-                with self.paths[file].open("rb") as opened:
-                    data = os.pread(opened.fileno(), size, start)
-                if len(data) != size:
+    @property
+    def size_bytes(self) -> int:
+        return self.order.size_bytes
+
+    def read(self, offset: int, size_bytes: int) -> bytes:
+        data = bytearray()
+        with _errors_at(self.paths[0].parent.name if self.paths else ""), ExitStack() as stack:
+            opened: dict[int, BinaryIO] = {}
+            for stretch in self.order.stretches(offset, size_bytes):
+                if isinstance(stretch, bytes):
+                    data += stretch
+                    continue
+                file, start, size = stretch
+                if file not in opened:
+                    opened[file] = stack.enter_context(self.paths[file].open("rb"))
+                found = os.pread(opened[file].fileno(), size, start)
+                if len(found) != size:
                     raise LinkError("a file of the incident became shorter", place=self.paths[file].name)
-                body += data
-        return parts, bytes(body)
+                data += found
+        return bytes(data)
 
 
 class IncidentCatalog:
-    """The incidents in ``folder``, for one thread that indexes them; ``known`` may be called by any."""
+    """The incidents in ``folder``, for one thread."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._indexes: dict[str, IncidentIndex] = {}
+        self._contents: dict[str, IncidentContent] = {}
 
-    def list(self) -> Sequence[RemoteIncident]:
+    def open(self, name: str) -> Content:
+        """The list of incidents under no name, the plan of one under its name, and its files' bytes.
+
+        What was looked through lately is not looked through again. Raises ``LinkError``.
+        """
+        if not name:
+            return _in_memory(list_to_bytes(self._list()))
+        incident = name.removesuffix(FILES)
+        content = self._content(incident)
+        return content if incident != name else _in_memory(PLANS.to_bytes(content.plan))
+
+    def _list(self) -> Sequence[RemoteIncident]:
         """The incidents whose records can be read, oldest first."""
         if not self._folder.is_dir():
             return []
         found = IncidentStore(self._folder).incidents()
         return [incident.listed() for incident in found if not isinstance(incident, RecordingError)]
 
-    def index(self, name: str) -> IncidentIndex:
-        """An incident, looked through where that was not done lately. Raises ``LinkError``."""
-        known = self._indexes.pop(name, None)
-        if known is not None and all(path.exists() for path in known.paths):
-            self._indexes[name] = known
-            return known
-        index = _index_of(self._folder, name)
-        while len(self._indexes) >= MAX_INDEXES:
-            del self._indexes[next(iter(self._indexes))]
-        self._indexes[name] = index
-        return index
-
-    def known(self, name: str, token: bytes) -> IncidentIndex | None:
-        """An incident that was looked through lately, if its plan is that of ``token``."""
-        known = self._indexes.get(name)
-        return known if known is not None and known.plan.token == token else None
+    def _content(self, name: str) -> IncidentContent:
+        known = self._contents.pop(name, None)
+        if known is None or not all(path.exists() for path in known.paths):
+            known = _content_of(self._folder, name)
+            while len(self._contents) >= MAX_OPEN:
+                del self._contents[next(iter(self._contents))]
+        self._contents[name] = known
+        return known
 
 
-def _index_of(folder: Path, name: str) -> IncidentIndex:
+def _in_memory(data: bytes) -> WholeContent:
+    return WholeContent(version=hashlib.sha256(data).digest()[:VERSION_BYTES], data=data)
+
+
+def _content_of(folder: Path, name: str) -> IncidentContent:
     path = folder / name
     if not is_incident_name(name) or path.is_symlink() or not path.is_dir():
         raise no_incident(name)
@@ -119,49 +138,18 @@ def _index_of(folder: Path, name: str) -> IncidentIndex:
             raise LinkError(f"{len(files)} files are too many for an incident", place=name)
         ranges = [file_ranges(one, number) for number, one in enumerate(files)]
         planned = tuple(PlannedFile(file.name, file.stat().st_size, sha256_of_files(file)) for file in files)
-        head = _with_copies([one for each in ranges for one in each.head], files)
     order = TransferOrder(
-        head,
+        [one for each in ranges for one in each.head],
         [message for each in ranges for message in each.messages],
         [one for each in ranges for one in each.tail],
     )
     digest = hashlib.sha256(_ORDER_VERSION + repr(planned).encode()).digest()
-    plan = TransferPlan(token=digest[:TOKEN_BYTES], files=planned, levels=order.levels)
-    if order.size_bytes != plan.size_bytes:
+    plan = TransferPlan(
+        version=digest[:VERSION_BYTES], files=planned, levels=order.levels, order_bytes=order.size_bytes
+    )
+    if order.files_bytes != plan.size_bytes:
         raise LinkError("the files of the incident change while they are looked through", place=name)
-    return IncidentIndex(plan=plan, order=order, paths=tuple(files))
-
-
-def _with_copies(head: Sequence[ByteRange], files: Sequence[Path]) -> Sequence[ByteRange]:
-    """``head`` where the same definitions in several files travel once."""
-    seen: dict[bytes, tuple[int, int]] = {}
-    found = []
-    for part in head:
-        copy_of = None
-        if part.size_bytes <= _MOST_COPIED_BYTES:
-            with files[part.file].open("rb") as opened:
-                data = os.pread(opened.fileno(), part.size_bytes, part.offset)
-            copy_of = seen.setdefault(data, (part.file, part.offset))
-        is_first = copy_of in (None, (part.file, part.offset))
-        found.append(part if is_first else part._replace(copy_of=copy_of))
-    return found
-
-
-def _own_stretches(parts: Sequence[RangePart]) -> Iterator[tuple[int, int, int]]:
-    """File, place and size of what is read at once."""
-    file = start = end = -1
-    for part in parts:
-        if part.whole.copy_of is not None:
-            continue
-        place = part.whole.offset + part.skipped_bytes
-        if part.whole.file == file and place == end:
-            end += part.size_bytes
-            continue
-        if end > start:
-            yield file, start, end - start
-        file, start, end = part.whole.file, place, place + part.size_bytes
-    if end > start:
-        yield file, start, end - start
+    return IncidentContent(plan=plan, order=order, paths=tuple(files))
 
 
 @contextmanager

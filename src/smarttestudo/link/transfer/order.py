@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The order in which the bytes of a recording travel: a picture of all of it at once, then ever finer."""
+"""The order in which the bytes of a recording travel: a picture of all of it at once, then ever finer.
+
+Each range travels as a head, which says where its bytes belong, and those bytes.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import accumulate
 from typing import NamedTuple
 
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.link.protocol.wire import Reader, varint
 
 LARGE_MESSAGE_BYTES = 16_000
 """Topics whose messages are larger on average (images, clouds) come after all others."""
@@ -19,12 +24,11 @@ _FINEST_LEVEL = 20
 
 
 class ByteRange(NamedTuple):
-    """Bytes of the file with that number, which are the same as those at ``copy_of`` if it is there."""
+    """Bytes of the file with that number."""
 
     file: int
     offset: int
     size_bytes: int
-    copy_of: tuple[int, int] | None = None
 
 
 class MessageRange(NamedTuple):
@@ -35,14 +39,6 @@ class MessageRange(NamedTuple):
     size_bytes: int
     topic: str
     stamp_ns: int
-
-
-class RangePart(NamedTuple):
-    """Some bytes of a range: ``size_bytes`` of them from ``skipped_bytes`` on."""
-
-    whole: ByteRange
-    skipped_bytes: int
-    size_bytes: int
 
 
 class Level(NamedTuple):
@@ -72,20 +68,26 @@ class TransferOrder:
             ),
             *tail,
         ]
-        self._ends = list(accumulate(range_.size_bytes for range_ in self._ranges))
+        self._ends = list(accumulate(len(_head(range_)) + range_.size_bytes for range_ in self._ranges))
         self.size_bytes = self._ends[-1] if self._ends else 0
+        """With the heads of ranges."""
+        self.files_bytes = sum(range_.size_bytes for range_ in self._ranges)
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))
 
-    def parts(self, cursor: int, size_bytes: int) -> Iterator[RangePart]:
-        """The parts of ranges from byte ``cursor`` of the order on."""
-        number = bisect_right(self._ends, cursor)
+    def stretches(self, offset: int, size_bytes: int) -> Iterator[bytes | ByteRange]:
+        """What travels from ``offset`` of the order on: heads of ranges, and where the bytes between are."""
+        number = bisect_right(self._ends, offset)
         while size_bytes > 0 and number < len(self._ranges):
-            whole = self._ranges[number]
-            skipped = cursor - (self._ends[number] - whole.size_bytes)
-            size = min(size_bytes, whole.size_bytes - skipped)
-            if size:
-                yield RangePart(whole, skipped, size)
-            cursor, size_bytes, number = cursor + size, size_bytes - size, number + 1
+            range_ = self._ranges[number]
+            head = _head(range_)
+            skipped = offset - (self._ends[number] - len(head) - range_.size_bytes)
+            if rest := head[skipped : skipped + size_bytes]:
+                yield rest
+            skipped_body = max(skipped - len(head), 0)
+            size = min(size_bytes - len(rest), range_.size_bytes - skipped_body)
+            if size > 0:
+                yield ByteRange(range_.file, range_.offset + skipped_body, size)
+            offset, size_bytes, number = self._ends[number], size_bytes - len(rest) - size, number + 1
 
     def _levels(self, ranks: Sequence[_Rank], heads: int) -> Iterator[Level]:
         """Where the levels of the small topics end that have any message."""
@@ -127,3 +129,25 @@ def _levels_of(ranges: Sequence[MessageRange]) -> Iterator[int]:
             level = next(fresh, _FINEST_LEVEL)
             last_bins[level:] = bins[level:]
         yield level
+
+
+MOST_HEAD_BYTES = 30
+
+
+def _head(range_: ByteRange) -> bytes:
+    return b"".join(map(varint, range_))
+
+
+def read_head(data: bytes) -> tuple[ByteRange, int] | None:
+    """The range that a head at the beginning of ``data`` tells of, and the size of that head.
+
+    ``None`` where the head is not whole yet. Raises ``LinkError`` where it is none.
+    """
+    reader = Reader(data)
+    try:
+        range_ = ByteRange(reader.varint(), reader.varint(), reader.varint())
+    except LinkError:
+        if len(data) < MOST_HEAD_BYTES:
+            return None
+        raise
+    return range_, len(data) - len(reader.rest())

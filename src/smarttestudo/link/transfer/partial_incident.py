@@ -9,31 +9,40 @@ import hashlib
 import json
 import os
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import is_incident_folder_name
 from smarttestudo.domain.json_text import json_text
+from smarttestudo.domain.record import from_json, to_json
 from smarttestudo.domain.units import BYTES_PER_MB, grouped
 from smarttestudo.files.removal import remove
 from smarttestudo.files.whole_file import PARTIAL_SUFFIX, OutputFileError, not_written, whole_file
-from smarttestudo.link.transfer.messages import (
-    TransferPiece,
-    TransferPlan,
-    is_incident_file_name,
-    is_incident_name,
-    no_incident,
-)
+from smarttestudo.link.transfer.order import MOST_HEAD_BYTES, ByteRange, read_head
+from smarttestudo.link.transfer.plan import TransferPlan, is_incident_file_name, is_incident_name, no_incident
 
 STATE_NAME = ".fetch.json"
 _LOCK_NAME = ".fetch.lock"
 _SPARE_BYTES = 50_000_000
 _READ_BYTES = 1 << 20
 _CONTENT = "what is fetched"
+_NOTHING = ByteRange(0, 0, 0)
 _OPENED = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _State:
+    """How far a fetch is; ``begun`` is the file, the place and the size of what is left of a range."""
+
+    version: str = ""
+    cursor: int = 0
+    got_bytes: int = 0
+    begun: tuple[int, int, int] = (0, 0, 0)
+    files: tuple[str, ...] = ()
 
 
 class PartialIncident:
@@ -54,7 +63,13 @@ class PartialIncident:
         self._files: list[int] = []
         self._lock = -1
         self._has_lock = False
+        self._begun = _NOTHING
+        """What is left of the range whose bytes come now."""
+        self._head = b""
+        """What came of the head of the next one."""
         self.cursor = 0
+        self.got_bytes = 0
+        """Bytes of files that are there."""
         try:
             for path in (self.path, self.path / STATE_NAME, self.path / _LOCK_NAME):
                 if path.is_symlink():
@@ -63,7 +78,7 @@ class PartialIncident:
             self._take_lock()
             remove(self.path, self._unfinished_states())
             state = self._read_state()
-            self.cursor = self._known_cursor(state)
+            self._go_on(state)
             self._require_room()
             if not self.cursor:
                 self._clear(state)
@@ -87,31 +102,51 @@ class PartialIncident:
     ) -> None:
         self.close()
 
-    def write(self, piece: TransferPiece) -> None:
+    def write(self, data: bytes) -> None:
         """Write what follows on ``cursor``. Raises ``LinkError`` where it does not lie in the files."""
         place = 0
-        for part in piece.parts:
-            whole, size = part.whole, part.size_bytes
-            self._require_within(whole.file, whole.offset, whole.size_bytes)
-            start = whole.offset + part.skipped_bytes
-            try:
-                if whole.copy_of is None:
-                    data, place = piece.body[place : place + size], place + size
-                else:
-                    source, source_start = whole.copy_of
-                    self._require_within(source, source_start, whole.size_bytes)
-                    data = os.pread(self._files[source], size, source_start + part.skipped_bytes)
-                os.pwrite(self._files[whole.file], data, start)
-            except OSError as error:
-                raise not_written(self.path, _CONTENT, error) from error
-        self.cursor += piece.covered_bytes
+        try:
+            while place < len(data):
+                is_head = not self._begun.size_bytes
+                taken = (self._take_head if is_head else self._take_own)(data, place)
+                place, self.cursor = place + taken, self.cursor + taken
+        except OSError as error:
+            raise not_written(self.path, _CONTENT, error) from error
+
+    def _take_head(self, data: bytes, place: int) -> int:
+        """Take the head of a range, or some of it; how many bytes that were."""
+        begun, head = len(self._head), self._head + data[place : place + MOST_HEAD_BYTES]
+        found = read_head(head)
+        if found is None:
+            self._head = head
+            return len(head) - begun
+        range_, head_bytes = found
+        self._require_within(range_.file, range_.offset, range_.size_bytes)
+        if self.got_bytes + range_.size_bytes > self._plan.size_bytes:
+            raise LinkError("the robot sends more than the incident has", place=self._target.name)
+        self._begun, self._head = range_, b""
+        return head_bytes - begun
+
+    def _take_own(self, data: bytes, place: int) -> int:
+        """Write what there is of the range that has begun; how many bytes that were."""
+        file, offset, size_bytes = self._begun
+        own = data[place : place + size_bytes]
+        os.pwrite(self._files[file], own, offset)
+        self._begun = ByteRange(file, offset + len(own), size_bytes - len(own))
+        self.got_bytes += len(own)
+        return len(own)
 
     def save(self) -> None:
         """Write how far the fetch is, for another that goes on from here."""
-        files = [file.name for file in self._plan.files]
-        state = {"token": self._plan.token.hex(), "cursor": self.cursor, "files": files}
+        state = _State(
+            version=self._plan.version.hex(),
+            cursor=self.cursor - len(self._head),
+            got_bytes=self.got_bytes,
+            begun=self._begun,
+            files=tuple(file.name for file in self._plan.files),
+        )
         with whole_file(self.path / STATE_NAME, "the state of a fetch") as write:
-            write(json_text(state))
+            write(json_text(to_json(state)))
 
     def finish(self) -> Path:
         """Give the incident its name, if its files are those of the robot: return its path.
@@ -125,8 +160,8 @@ class PartialIncident:
         ]
         try:
             if wrong:
-                self._clear({})
-                self.cursor = 0
+                self._clear(_State())
+                self.cursor = self.got_bytes = 0
                 raise LinkError(
                     f"{', '.join(wrong[:3])} is not what the robot has; what was fetched is deleted",
                     place=self._target.name,
@@ -152,7 +187,8 @@ class PartialIncident:
         self._files, self._lock, self._has_lock = [], -1, False
 
     def _require_within(self, file: int, offset: int, size_bytes: int) -> None:
-        if not 0 <= file < len(self._files) or offset + size_bytes > self._plan.files[file].size_bytes:
+        is_within = 0 <= file < len(self._plan.files) and min(offset, size_bytes) >= 0
+        if not is_within or offset + size_bytes > self._plan.files[file].size_bytes:
             raise LinkError("the robot sends what is in no file of the incident", place=self._target.name)
 
     def _take_lock(self) -> None:
@@ -179,27 +215,28 @@ class PartialIncident:
                 and entry.is_file(follow_symlinks=False)
             ]
 
-    def _read_state(self) -> Mapping[str, object]:
+    def _read_state(self) -> _State:
         """State that an earlier fetch saved; empty where there was none, or where it cannot be read."""
         try:
-            state = json.loads((self.path / STATE_NAME).read_bytes())
+            return from_json(_State, json.loads((self.path / STATE_NAME).read_bytes()))
         except (OSError, ValueError, RecursionError):
-            return {}
-        return state if isinstance(state, dict) else {}
+            return _State()
 
-    def _known_cursor(self, state: Mapping[str, object]) -> int:
-        """How far an earlier fetch of the same plan got; 0 where there was none."""
+    def _go_on(self, state: _State) -> None:
+        """Go on where an earlier fetch of the same plan was, if there was one."""
+        plan, begun = self._plan, ByteRange(*state.begun)
         try:
-            cursor = int(str(state["cursor"]))
-            is_same = state["token"] == self._plan.token.hex() and 0 <= cursor <= self._plan.size_bytes
-            sizes = [(self.path / file.name).lstat().st_size for file in self._plan.files]
-        except (OSError, ValueError, LookupError):
-            return 0
-        return cursor if is_same and sizes == [file.size_bytes for file in self._plan.files] else 0
+            sizes = [(self.path / file.name).lstat().st_size for file in plan.files]
+            self._require_within(begun.file, begun.offset, begun.size_bytes)
+        except (OSError, LinkError):
+            return
+        is_same = state.version == plan.version.hex() and sizes == [file.size_bytes for file in plan.files]
+        if is_same and 0 <= state.cursor <= plan.order_bytes and 0 <= state.got_bytes <= plan.size_bytes:
+            self.cursor, self.got_bytes, self._begun = state.cursor, state.got_bytes, begun
 
     def _require_room(self) -> None:
         free_bytes = shutil.disk_usage(self.path).free
-        missing_bytes = self._plan.size_bytes - self.cursor
+        missing_bytes = self._plan.size_bytes - self.got_bytes
         if missing_bytes + _SPARE_BYTES > free_bytes:
             missing, spare, free = (
                 grouped(size / BYTES_PER_MB, 1) for size in (missing_bytes, _SPARE_BYTES, free_bytes)
@@ -210,17 +247,11 @@ class PartialIncident:
                 remedy="free some space or write to another disk",
             )
 
-    def _clear(self, state: Mapping[str, object]) -> None:
+    def _clear(self, state: _State) -> None:
         """Remove the files of the plan and of the one in ``state``."""
-        former = state.get("files")
-        names = [file.name for file in self._plan.files]
-        if isinstance(former, list):
-            names += [
-                former_name
-                for former_name in former
-                if isinstance(former_name, str) and is_incident_file_name(former_name)
-            ]
-        remove(self.path, dict.fromkeys((*names, STATE_NAME)))
+        former = filter(is_incident_file_name, state.files)
+        names = (*(file.name for file in self._plan.files), *former, STATE_NAME)
+        remove(self.path, dict.fromkeys(names))
 
 
 def remove_begun_fetches(folder: Path) -> None:

@@ -10,11 +10,12 @@ from functools import partial
 
 import zenoh
 
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.worker import Worker
-from smarttestudo.link.zenoh.queries import OnPresence, QueryClient, Reply
+from smarttestudo.link.zenoh.queries import OnPresence, QueryClient
 from smarttestudo.link.zenoh.session import (
     POLL_PERIOD_S,
     OtherVersions,
@@ -153,23 +154,21 @@ class LinkClients(QueryClient):
                 unreachable=settle,
             )
 
-    def get(
+    def ask(
         self,
         key: str,
-        payload: bytes | None,
-        answered: Callable[[Reply], None],
+        payload: bytes,
+        replied: Callable[[bytes | LinkError], None],
+        ended: Callable[[], None],
         timeout_s: float = ANSWER_WITHIN_S,
         *,
-        priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-        congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
+        waits: bool = True,
     ) -> None:
-        """Have ``answered`` called once with what came of a question, by any thread."""
+        """As ``QueryClient.ask``, at the place where the robot was found first."""
         with self._lock:
             boot = boot_of(key.rpartition("/")[0])
             client = self._clients[0] if boot is None else self._first(boot) or self._clients[0]
-        client.get(
-            key, payload, answered, timeout_s, priority=priority, congestion_control=congestion_control
-        )
+        client.ask(key, payload, replied, ended, timeout_s, waits=waits)
 
     def close(self) -> None:
         for client in self._clients:

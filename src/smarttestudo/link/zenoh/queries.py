@@ -45,23 +45,22 @@ class Query:
         self._query = query
         self._key = key
 
-    def answer(self, make: Callable[[], bytes | None]) -> None:
-        """Answer with the frame that ``make`` gives, with nothing if that is ``None``, or say why not."""
+    def attempt(self, act: Callable[[], object]) -> None:
+        """Do something for an answer, or say why there is none."""
         try:
-            frame = make()
-            sent = None if frame is None else sendable(frame)
+            act()
         except Exception as error:  # noqa: BLE001 - whatever a stranger asks, others are answered
             self.refuse(testudo_error(error))
-            return
-        if sent is None:
-            self.drop()
-        else:
-            self.reply(sent)
 
-    def reply(self, data: bytes, *, express: bool = False) -> bool:
-        """Answer with a frame; whether that was possible. It waits where the link is thin."""
+    def reply(self, data: bytes) -> None:
+        """Answer with a frame. It waits where the link is thin."""
         with self._query, suppress(zenoh.ZError):
-            self._query.reply(self._key, data, express=express)
+            self._query.reply(self._key, data)
+
+    def reply_part(self, data: bytes) -> bool:
+        """Answer with a frame that others may follow; whether that was possible. It waits as ``reply``."""
+        with suppress(zenoh.ZError):
+            self._query.reply(self._key, data, express=True)
             return True
         return False
 
@@ -85,13 +84,12 @@ class WaitingQuestion:
 
     def answer(self, answer: Answer | TestudoError) -> None:
         """Answer it, or say why not; the session may be closed meanwhile."""
-        self.later(partial(self.query.answer, partial(_answer_frame, answer)))
+        self.later(partial(self.query.attempt, partial(self._send, answer)))
 
-
-def _answer_frame(answer: Answer | TestudoError) -> bytes:
-    if isinstance(answer, TestudoError):
-        raise answer
-    return ANSWERS.to_bytes(answer)
+    def _send(self, answer: Answer | TestudoError) -> None:
+        if isinstance(answer, TestudoError):
+            raise answer
+        self.query.reply(sendable(ANSWERS.to_bytes(answer)))
 
 
 class QueryServer:
@@ -197,43 +195,46 @@ class QueryClient:
         handler = zenoh.handlers.Callback(on_reply, all_known)
         liveliness.get(ALL_BOOTS, handler, timeout=ANSWER_WITHIN_S)
 
-    def get(
+    def ask(
         self,
         key: str,
-        payload: bytes | None,
-        answered: Callable[[Reply], None],
+        payload: bytes,
+        replied: Callable[[bytes | LinkError], None],
+        ended: Callable[[], None],
         timeout_s: float = ANSWER_WITHIN_S,
         *,
-        priority: zenoh.Priority = zenoh.Priority.DATA_LOW,
-        congestion_control: zenoh.CongestionControl = zenoh.CongestionControl.BLOCK,
+        waits: bool = True,
     ) -> None:
-        """Have ``answered`` called once with what came of a question, by any thread.
+        """Have ``replied`` called with each frame that answers or refuses, and ``ended`` once, by any thread.
 
-        The answer has its priority, too: messages of the robot's topics go before a long one.
+        Question and answer wait where the link is full, and messages of the robot's topics go before them;
+        or they are dropped there.
         """
-        session = self._session
-        replies: list[Reply] = []
 
         def on_reply(reply: zenoh.Reply) -> None:
-            replies.append(_reply(key, reply))
+            if (found := _reply(key, reply)) is not None:
+                replied(found)
 
-        def ended() -> None:
-            answered(next((one for one in replies if one is not None), None))
-
-        if session is None:
-            answered(None)
+        if self._session is None:
+            ended()
             return
         try:
-            session.get(
+            self._session.get(
                 key,
                 zenoh.handlers.Callback(on_reply, ended),
                 payload=payload,
                 timeout=timeout_s,
-                priority=priority,
-                congestion_control=congestion_control,
+                consolidation=zenoh.ConsolidationMode.NONE,
+                priority=zenoh.Priority.DATA_LOW if waits else zenoh.Priority.DATA,
+                congestion_control=zenoh.CongestionControl.BLOCK if waits else zenoh.CongestionControl.DROP,
             )
         except zenoh.ZError:
-            answered(None)
+            ended()
+
+    def get(self, key: str, payload: bytes, answered: Callable[[Reply], None]) -> None:
+        """Have ``answered`` called once with what came of a question, by any thread."""
+        replies: list[Reply] = []
+        self.ask(key, payload, replies.append, lambda: answered(next(iter(replies), None)))
 
     def close(self) -> None:
         """Leave; the session is closed by who opened it."""

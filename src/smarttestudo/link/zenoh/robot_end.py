@@ -26,21 +26,21 @@ from smarttestudo.domain.link import (
 )
 from smarttestudo.domain.robot import Payload
 from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_S
-from smarttestudo.link.protocol.background import Grant
 from smarttestudo.link.protocol.chunks import MAX_MESSAGE_BYTES
 from smarttestudo.link.protocol.datagrams import DATAGRAM_OFFERS, DATAGRAM_REQUESTS, DATAGRAM_VERSION
 from smarttestudo.link.protocol.keys import new_boot
 from smarttestudo.link.protocol.messages import ReportReader
+from smarttestudo.link.protocol.requests import Grant
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.transfer.catalog import IncidentCatalog
 from smarttestudo.link.worker import Worker
 from smarttestudo.link.zenoh.commands import CommandInbox
 from smarttestudo.link.zenoh.compression import Compressor
-from smarttestudo.link.zenoh.incidents import IncidentServer, WaitingAsk
 from smarttestudo.link.zenoh.queries import MAX_WAITING, Query, QueryServer, WaitingQuestion
 from smarttestudo.link.zenoh.security import LinkOptions
 from smarttestudo.link.zenoh.session import OPERATOR, LinkSession, OtherVersions, has_subscribers
 from smarttestudo.link.zenoh.statuses import StatusServer
+from smarttestudo.link.zenoh.transfer import Answer, ByteServer
 from smarttestudo.pacing.cdr import STREAM_TYPES, StreamReader
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ class RobotEnd:
         """Messages of operators, where the robot accepts any."""
         self._warn = warn
         self._clock = clock
-        self._sender: LinkSender[WaitingAsk] = LinkSender(
+        self._sender: LinkSender[Answer] = LinkSender(
             Compressor().encode, fetch_budget_kb_per_s * BYTES_PER_KB, clock()
         )
         self._lock = threading.Lock()
@@ -103,8 +103,8 @@ class RobotEnd:
             session.liveliness().declare_token(self.boot.key),
         )
         self._queries = QueryServer(opened, self.boot, warn, self._versions, clock)
-        self._status = StatusServer(session, self._queries, self.boot.status_key, clock)
-        self._incidents: IncidentServer | None = None
+        self._bytes = ByteServer(self._queries, self._sender.scheduler.requests, self._do, clock)
+        self._status = StatusServer(session, self._bytes, self.boot.status_key, clock)
         self._worker.start()
 
     def advertise(self, stream: StreamInfo) -> RobotPublisher:
@@ -120,13 +120,8 @@ class RobotEnd:
     def offer_incidents(self, folder: Path) -> None:
         """Let operators list and fetch the incidents in ``folder`` from now on."""
         self._disk.start()
-        self._incidents = IncidentServer(
-            self._queries,
-            self.boot.incidents_key,
-            IncidentCatalog(folder),
-            later=partial(self._disk.give, most=MAX_WAITING),
-            enqueue=self._enqueue,
-        )
+        later = partial(self._disk.give, most=MAX_WAITING)
+        self._bytes.offer(self.boot.incidents_key, IncidentCatalog(folder).open, later)
 
     def offer_datagrams(self, options: LinkOptions) -> None:
         """Send what is relayed as datagrams from now on, where an operator's end asks for them."""
@@ -283,19 +278,6 @@ class RobotEnd:
             return
         self._do(lambda: self._sender.handle_report(report, self._clock()))
 
-    def _enqueue(self, waiting: WaitingAsk) -> None:
-        """Have a question for bytes wait; one for none says only what has arrived."""
-        ask, requests = waiting.ask, self._sender.scheduler.requests
-
-        def act() -> None:
-            if not ask.size_bytes:
-                requests.acknowledge(ask.asker, ask.got_bytes, self._clock())
-                waiting.query.drop()
-            elif not requests.enqueue(ask.asker, ask.got_bytes, waiting, self._clock()):
-                waiting.query.drop()
-
-        self._do(act)
-
     def _send_next(self) -> float:
         """Send all chunks that may be sent, or an answer; how long to wait then."""
         scheduler = self._sender.scheduler
@@ -318,12 +300,13 @@ class RobotEnd:
             return _POLL_AGAIN_S
         if grant is None:
             return wait_s
-        assert self._incidents is not None
         # It waits where the link is thin, and nobody is to wait for that.
-        size_bytes = self._incidents.answer(grant.request, grant.size_bytes, grant.waiting)
-        if size_bytes:
-            with self._lock:
-                scheduler.requests.sent(grant.client, size_bytes, now_ns)
+        size_bytes, is_last = self._bytes.answer(grant)
+        with self._lock:
+            if size_bytes:
+                scheduler.requests.sent(grant, size_bytes, now_ns)
+            if is_last:
+                scheduler.requests.finish(grant)
         return 0.0
 
     def _send_datagram(self, receiver: int, chunk: bytes) -> None:
@@ -331,11 +314,11 @@ class RobotEnd:
         if self._datagrams is not None and peer is not None:
             self._datagrams.send(peer, chunk)
 
-    def _next_grant(self, now_ns: int) -> tuple[Grant[WaitingAsk] | None, float]:
-        """The question for bytes to answer now, if the link has nothing better to do, or how long to wait."""
+    def _next_grant(self, now_ns: int) -> tuple[Grant[Answer] | None, float]:
+        """The question for bytes to answer now, or how long to wait."""
         scheduler = self._sender.scheduler
-        for waiting in scheduler.requests.expired(now_ns):
-            waiting.query.drop()
+        for answer in scheduler.requests.expired(now_ns):
+            answer.query.drop()
         grant = scheduler.next_grant(now_ns)
         wake_ns = scheduler.wake_ns(now_ns)
         wait_ns = NS_PER_S if wake_ns is None else max(wake_ns - now_ns, 0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Robots' statuses over Zenoh: what changed for all who listen, all of it for who asks."""
+"""Robots' statuses over Zenoh: what changed for all who listen, all of it as bytes of a name for who asks."""
 
 from __future__ import annotations
 
@@ -8,46 +8,49 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import zenoh
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.status import compact_status, is_measured
-from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.keys import ALL_STATUSES, MAX_ROBOTS, Boot, boot_of
-from smarttestudo.link.protocol.status_stream import Record, StatusReceiver, StatusSender
+from smarttestudo.link.protocol.status_stream import (
+    MAX_STATUS_BYTES,
+    Record,
+    StatusReceiver,
+    StatusSender,
+)
+from smarttestudo.link.transfer.messages import VERSION_BYTES, Content, WholeContent
 from smarttestudo.link.zenoh.compression import compress, decompress
-from smarttestudo.link.zenoh.queries import Query, QueryClient, QueryServer, Reply
+from smarttestudo.link.zenoh.queries import QueryClient
 from smarttestudo.link.zenoh.session import OtherVersions, robot_peer
-
-_FULLS_PER_SECOND = 4
-"""How many full statuses are sent to those who ask; more would be felt on a thin link."""
+from smarttestudo.link.zenoh.transfer import ByteServer, Whole, read_whole
 
 
 class StatusServer:
     """Sends each status once, however many listen; routers share it among them."""
 
     def __init__(
-        self, session: zenoh.Session, server: QueryServer, key: str, clock: Callable[[], int]
+        self, session: zenoh.Session, server: ByteServer, key: str, clock: Callable[[], int]
     ) -> None:
         self.is_watched = False
         self._clock = clock
         self._sender = StatusSender(is_measured, compress)
         self._lock = threading.Lock()
-        self._second = 0
-        self._fulls = 0
+        self._full: WholeContent | None = None
         # What is dropped is missed by who listens, who then asks for a full status.
         self._publisher = session.declare_publisher(
             key, congestion_control=zenoh.CongestionControl.DROP, priority=zenoh.Priority.DATA_HIGH
         )
         # Kept alive: Zenoh undeclares on garbage collection.
         self._kept = self._publisher.declare_matching_listener(self._match)
-        server.serve(key, self._answer)
+        server.offer(key, self._content)
 
     def tell(self, status: Mapping[str, object]) -> None:
         """Send ``status``, an object of JSON; never waits for the link."""
         with self._lock:
-            data = self._sender.next(compact_status(status), self._clock())
+            data, self._full = self._sender.next(compact_status(status), self._clock()), None
         try:
             self._publisher.put(data)
         except zenoh.ZError as error:
@@ -56,16 +59,13 @@ class StatusServer:
     def _match(self, status: zenoh.MatchingStatus) -> None:
         self.is_watched = status.matching
 
-    def _answer(self, query: Query) -> None:
+    def _content(self, _name: str) -> Content:
+        """All of the last status, whose version is its number."""
         with self._lock:
-            second = self._clock() // NS_PER_S
-            if second != self._second:
-                self._second, self._fulls = second, 0
-            self._fulls += 1
-            if self._fulls > _FULLS_PER_SECOND:
-                raise LinkError("too many ask for a status at once", remedy="ask again in a second")
-            data = self._sender.full()
-        query.reply(data)
+            if self._full is None:
+                version = self._sender.number.to_bytes(VERSION_BYTES, "big")
+                self._full = WholeContent(version=version, data=self._sender.full())
+            return self._full
 
 
 OnStatus = Callable[[Boot, Record, int], None]
@@ -129,35 +129,32 @@ class StatusListener:
         return max(wait_s, 0.0)
 
     def _ask(self, robot: _Listening) -> None:
-        def answered(reply: Reply) -> None:
-            if isinstance(reply, bytes):
-                self._receive(robot, reply)
+        # What is dropped on a full link is asked for again.
+        answered = partial(self._answered, robot)
+        read_whole(self._client, robot.boot.status_key, MAX_STATUS_BYTES, answered)
 
-        # The answer is dropped, too, rather than wait for a full link; then it is asked for again.
-        self._client.get(
-            robot.boot.status_key,
-            None,
-            answered,
-            priority=zenoh.Priority.DATA,
-            congestion_control=zenoh.CongestionControl.DROP,
-        )
+    def _answered(self, robot: _Listening, whole: Whole) -> None:
+        if isinstance(whole, WholeContent):
+            number = int.from_bytes(whole.version, "big")
+            self._receive(robot, len(whole.data), lambda: robot.receiver.receive_full(number, whole.data))
 
     def _on_sample(self, sample: zenoh.Sample) -> None:
         boot = boot_of(str(sample.key_expr))
         robot = None if boot is None else self._robots.get(boot)
         if robot is not None and sample.kind == zenoh.SampleKind.PUT:
-            self._receive(robot, sample.payload.to_bytes())
+            data = sample.payload.to_bytes()
+            self._versions.check(robot_peer(robot.boot), data)
+            self._receive(robot, len(data), lambda: robot.receiver.receive(data))
 
-    def _receive(self, robot: _Listening, data: bytes) -> None:
-        self._versions.check(robot_peer(robot.boot), data)
+    def _receive(self, robot: _Listening, size_bytes: int, read: Callable[[], Record | None]) -> None:
         with robot.lock:
             try:
-                record = robot.receiver.receive(data)
+                record = read()
             except LinkError:
                 record = None
                 self.malformed += 1
             if record is not None:
                 robot.again_s = _AGAIN_S
-                self._on_status(robot.boot, record, len(data))
+                self._on_status(robot.boot, record, size_bytes)
         if robot.receiver.needs_full:
             self._wake()

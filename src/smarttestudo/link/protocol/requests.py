@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""Requests that are answered in the part of the link that live topics leave unused."""
+"""Requests that are answered beside live topics: urgent ones between these, others in what these leave."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from smarttestudo.domain.units import NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.window import Window
 
 MAX_CLIENTS = 16
-MAX_REQUESTS = 64
-"""How many requests of one client may wait."""
-ANSWERED_WITHIN_NS = 10 * NS_PER_S
-"""After so long a request counts as lost; the robot's end answers none that is older than half of it."""
-KEPT_NS = ANSWERED_WITHIN_NS // 2
-"""How long a request waits; then its client sends it again."""
+MAX_URGENT = 32
+"""How many urgent requests may wait."""
+KEPT_NS = 15 * NS_PER_S
+"""How long a request is answered whose client says nothing."""
 
 _LOST_AFTER_NS = 5 * NS_PER_S
 """Bytes that were not acknowledged for so long are under way no more."""
@@ -28,6 +26,8 @@ _PIECE_NS = 5 * NS_PER_MS
 _LEAST_PIECE_BYTES = 600
 _MOST_PIECE_BYTES = 16_000
 _LONGEST_PAUSE_NS = NS_PER_S // 2
+_URGENT_PAUSE = 5
+"""So many times what an urgent piece takes of the link, the next one goes."""
 _BUDGET_PIECE_S = 0.5
 """How much of the budget a piece takes at most."""
 _BUDGET_CREDIT_NS = NS_PER_S
@@ -36,7 +36,7 @@ _FRAMING_BYTES = 150
 """The head of a piece on the wire: it is an answer of Zenoh in a packet of its own."""
 _USED = 0.95
 """The share of the capacity up to which the link is filled."""
-_MARGIN = 0.8
+_MARGIN = 0.75
 """The share of the window that all bytes under way may take while something is sent beside live topics."""
 _FIRST_PROBE = 1.5
 _PROBE = 1.25
@@ -54,12 +54,11 @@ _Request = TypeVar("_Request")
 
 @dataclass(frozen=True, slots=True)
 class Grant(Generic[_Request]):
-    """A request to answer now with at most ``size_bytes``; so many others of its client wait."""
+    """A request to answer now with at most ``size_bytes``; an urgent one is of no ``client``."""
 
-    client: int
+    client: int | None
     request: _Request
     size_bytes: int
-    waiting: int
 
 
 @dataclass(slots=True, eq=False)
@@ -72,12 +71,15 @@ class _Client(Generic[_Request]):
     sent_bytes: int = 0
     done_bytes: int = 0
     lost_bytes: int = 0
-    waiting: deque[tuple[int, _Request]] = field(default_factory=deque)
+    request: _Request | None = None
     flights: deque[tuple[int, int]] = field(default_factory=deque)
 
 
-class BackgroundRequests(Generic[_Request]):
-    """Requests that wait until the link has nothing better to do, in the time that is passed in.
+class Requests(Generic[_Request]):
+    """Requests that are answered piece by piece until nothing is left, in the time that is passed in.
+
+    An urgent one is answered though live topics need all of the link, of which it takes a fifth at most.
+    The others, one a client, wait until the link has nothing better to do.
 
     Beside live topics, whose window ``live`` gives at a time, the link is modelled as a queue that drains at
     its capacity, and a piece is sent only when that queue is empty, nothing live waits, and all bytes under
@@ -93,6 +95,9 @@ class BackgroundRequests(Generic[_Request]):
         self._within_budget_ns = 0
         """When all that was sent is within the budget."""
         self._clients: dict[int, _Client[_Request]] = {}
+        self._urgent: deque[_Request] = deque()
+        self._urgent_ns = 0
+        """When the next urgent piece may go."""
         self.sent_bytes = 0
         """Bytes of all answers, with what frames them."""
         self._alone = Window()
@@ -106,25 +111,37 @@ class BackgroundRequests(Generic[_Request]):
 
     @property
     def is_empty(self) -> bool:
-        return not any(client.waiting for client in self._clients.values())
+        return not self._urgent and not self._waits
+
+    @property
+    def _waits(self) -> bool:
+        return any(client.request is not None for client in self._clients.values())
 
     @property
     def in_flight_bytes(self) -> int:
         """Bytes that were sent and are not known to have arrived or to be lost."""
         return sum(client.sent_bytes - client.done_bytes for client in self._clients.values())
 
-    def enqueue(self, client: int, got_bytes: int, request: _Request, now_ns: int) -> bool:
-        """Have a request wait, of a client that has got so much; whether there is room for it."""
+    def enqueue_urgent(self, request: _Request) -> bool:
+        """Have an urgent request wait; whether there is room for it."""
+        if len(self._urgent) >= MAX_URGENT:
+            return False
+        self._urgent.append(request)
+        return True
+
+    def enqueue(self, client: int, got_bytes: int, request: _Request, now_ns: int) -> _Request | None:
+        """Have a request wait, of a client that has got so much.
+
+        Return what is not answered any more: its request of before, or this one where there is no room.
+        """
         if client not in self._clients:
             if len(self._clients) >= MAX_CLIENTS:
-                return False
+                return request
             self._clients[client] = _Client(now_ns, got_bytes)
         self.acknowledge(client, got_bytes, now_ns)
-        waiting = self._clients[client].waiting
-        if len(waiting) >= MAX_REQUESTS:
-            return False
-        waiting.append((now_ns, request))
-        return True
+        known = self._clients[client]
+        before, known.request = known.request, request
+        return before
 
     def acknowledge(self, client: int, got_bytes: int, now_ns: int) -> None:
         """Note how much a client has got since its first request."""
@@ -137,58 +154,81 @@ class BackgroundRequests(Generic[_Request]):
             self._arrived(known, done_bytes, now_ns)
 
     def expired(self, now_ns: int) -> list[_Request]:
-        """Requests that waited for too long, whose answer nobody would take."""
+        """Requests that are not answered any more: nobody says that anything arrives."""
         gone = []
         for number, client in list(self._clients.items()):
-            while client.waiting and now_ns - client.waiting[0][0] > KEPT_NS:
-                gone.append(client.waiting.popleft()[1])
+            is_silent = now_ns - client.seen_ns > KEPT_NS
             while client.flights and now_ns - client.flights[0][1] > _LOST_AFTER_NS:
+                is_silent = True
                 total, _ = client.flights.popleft()
                 client.lost_bytes += total - client.done_bytes
                 client.done_bytes = total
                 self._alone = Window(self._alone.capacity_bytes_per_s)
-            if not client.waiting and not client.flights and now_ns - client.seen_ns > _LOST_AFTER_NS:
+            if is_silent and client.request is not None:
+                gone.append(client.request)
+                client.request = None
+            if client.request is None and not client.flights and now_ns - client.seen_ns > _LOST_AFTER_NS:
                 del self._clients[number]
         return gone
 
     def wake_ns(self, now_ns: int) -> int | None:
         """When something may be sent though nothing happens; ``None`` where that is not known."""
-        due_ns = max(self._free_ns, self._within_budget_ns)
-        return due_ns if due_ns > now_ns and not self.is_empty else None
+        due_ns = [self._urgent_ns] if self._urgent else []
+        if self._waits:
+            due_ns.append(max(self._free_ns, self._within_budget_ns))
+        return min((one for one in due_ns if one > now_ns), default=None)
 
-    def next(self, now_ns: int) -> Grant[_Request] | None:
-        """The request to answer now. Nothing live waits then."""
-        if self.is_empty:
+    def next(self, now_ns: int, *, is_free: bool = True) -> Grant[_Request] | None:
+        """The request to answer now; ``is_free`` says that nothing live waits."""
+        if self._urgent and now_ns >= self._urgent_ns:
+            live = self._live(now_ns)
+            size_bytes = _MOST_PIECE_BYTES if live is None else _piece_bytes(live)
+            return Grant(None, self._urgent[0], size_bytes)
+        if not self._waits:
             self._alone.idle()
             return None
-        if now_ns < self._within_budget_ns or not self._budget_bytes_per_s:
+        if not is_free or now_ns < self._within_budget_ns or not self._budget_bytes_per_s:
             return None
         live = self._live(now_ns)
         room_bytes = self._room_alone() if live is None else self._room_beside(live, now_ns)
         if not room_bytes:
             return None
         size_bytes = int(min(room_bytes, max(_LEAST_PIECE_BYTES, self._budget_bytes_per_s * _BUDGET_PIECE_S)))
-        number = next(number for number, client in self._clients.items() if client.waiting)
+        number = next(number for number, client in self._clients.items() if client.request is not None)
         client = self._clients.pop(number)
         # All take turns.
         self._clients[number] = client
-        _, request = client.waiting.popleft()
-        return Grant(number, request, size_bytes, len(client.waiting))
+        assert client.request is not None
+        return Grant(number, client.request, size_bytes)
 
-    def sent(self, client: int, size_bytes: int, now_ns: int) -> None:
-        """Count bytes that went to a client."""
-        known = self._clients[client]
+    def sent(self, grant: Grant[_Request], size_bytes: int, now_ns: int) -> None:
+        """Count the bytes that went out for a grant."""
+        wire_bytes = size_bytes + _FRAMING_BYTES
+        self.sent_bytes += wire_bytes
+        live = self._live(now_ns)
+        if live is not None:
+            self.fill(wire_bytes, now_ns, live)
+        if grant.client is None:
+            if live is not None:
+                self._urgent_ns = now_ns + int(
+                    _URGENT_PAUSE * wire_bytes * NS_PER_S / live.capacity_bytes_per_s
+                )
+            return
+        known = self._clients[grant.client]
         known.sent_bytes += size_bytes
         known.flights.append((known.sent_bytes, now_ns))
         self._sent_ns = now_ns
-        self.sent_bytes += size_bytes + _FRAMING_BYTES
-        of_budget_ns = int((size_bytes + _FRAMING_BYTES) * NS_PER_S / self._budget_bytes_per_s)
+        of_budget_ns = int(wire_bytes * NS_PER_S / self._budget_bytes_per_s)
         self._within_budget_ns = max(self._within_budget_ns, now_ns - _BUDGET_CREDIT_NS) + of_budget_ns
-        live = self._live(now_ns)
         if live is None:
             self._alone.sent(size_bytes, now_ns)
-        else:
-            self.fill(size_bytes + _FRAMING_BYTES, now_ns, live)
+
+    def finish(self, grant: Grant[_Request]) -> None:
+        """Nothing is left to answer the request of a grant with."""
+        if grant.client is None:
+            self._urgent.popleft()
+        elif self._clients[grant.client].request is grant.request:
+            self._clients[grant.client].request = None
 
     def _room_alone(self) -> int:
         room_bytes = min(self._alone.chunk_bytes, _MOST_PIECE_BYTES)
@@ -200,8 +240,7 @@ class BackgroundRequests(Generic[_Request]):
         """How large a piece may be; 0 while none may be sent."""
         if now_ns >= self._next_probe_ns:
             self._begin_probe(live, now_ns)
-        of_link_bytes = int(live.capacity_bytes_per_s * _PIECE_NS / NS_PER_S)
-        piece_bytes = max(_LEAST_PIECE_BYTES, min(of_link_bytes, _MOST_PIECE_BYTES))
+        piece_bytes = _piece_bytes(live)
         under_way_bytes = live.in_flight_bytes + self.in_flight_bytes
         self._drain(under_way_bytes, live, now_ns)
         margin = 1.0 if now_ns < self._probe_until_ns else _MARGIN
@@ -272,3 +311,8 @@ class BackgroundRequests(Generic[_Request]):
             # More was not tried, however the news of it came together.
             live.raise_capacity(min(rate, self._probe_gain * live.capacity_bytes_per_s))
             self._failed_probes, self._next_probe_ns = 0, now_ns
+
+
+def _piece_bytes(live: Window) -> int:
+    of_link_bytes = int(live.capacity_bytes_per_s * _PIECE_NS / NS_PER_S)
+    return max(_LEAST_PIECE_BYTES, min(of_link_bytes, _MOST_PIECE_BYTES))
