@@ -5,12 +5,16 @@
 from __future__ import annotations
 
 import random
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
-from link.protocol.simulated_link import MS, Ends, Link, Source
-from smarttestudo.link.protocol.messages import REPORTS, Announcement, Report
+from link.protocol.simulated_link import MS, NEVER_NS, Ends, Link, S, Source
+from smarttestudo.domain.link import MissedMessage, ReceivedMessage
+from smarttestudo.link.protocol.messages import REPORTS, Report
+from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver
+from smarttestudo.link.protocol.sender import LinkSender
 
 HEAD_BYTES = 60
 """The heads of IP and UDP, and the seal."""
@@ -86,54 +90,179 @@ class Radio:
         return at_ns
 
 
+class Operator:
+    """One run of the operator's end, with the numbers of the messages that it received of one boot, by topic.
+
+    ``reported`` are those of which the robot's end was told before it began another session.
+    """
+
+    def __init__(self, number: int) -> None:
+        self.number = number
+        self.receiver = LinkReceiver("robot", number, lambda data, _most: data)
+        self.arrived: dict[str, list[int]] = defaultdict(list)
+        self.reported: dict[str, set[int]] = defaultdict(set)
+        self.is_gone = False
+        self.is_noticed = False
+        """Whether the robot's end knows that it is gone."""
+
+
+@dataclass
+class Boot:
+    """One run of the robot's end, with what it was given to send, and the operator's ends that it had."""
+
+    sender: LinkSender[None]
+    payloads: dict[str, list[bytes]]
+    operators: list[Operator] = field(default_factory=list)
+    missed: list[MissedMessage] = field(default_factory=list)
+
+
 @dataclass
 class LossyEnds(Ends):
-    """Both ends: what goes as a datagram goes over the radios, the rest over ``link``."""
+    """Both ends: what goes as a datagram goes over the radios, the rest over ``link``. Either may restart."""
 
     up: Radio = field(default_factory=lambda: Radio(PROFILES["clean"]))
     down: Radio = field(default_factory=lambda: Radio(PROFILES["clean"], seed=2))
     has_datagrams: bool = True
-    wake_ns: int = 2**62
+    wake_ns: int = NEVER_NS
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.boots = [Boot(self.sender, self.payloads)]
+        self._said_ns = 0
+        self._begin_operator(7)
+
+    @property
+    def operator(self) -> Operator:
+        return self.boots[-1].operators[-1]
 
     def run(self, seconds: float) -> None:
         if self.has_datagrams:
             self.sender.allow_datagrams(frozenset({7}))
         super().run(seconds)
 
+    def allow(self, now_ns: int, *, has_datagrams: bool = True) -> None:
+        """Have datagrams come through to the operator's end that is there, or no more."""
+        self.has_datagrams = has_datagrams
+        if not self.operator.is_gone:
+            self.sender.allow_datagrams(frozenset({self.operator.number} if has_datagrams else ()))
+
+    def restart_operator(self, now_ns: int, *, back_ns: int, key_ns: int, is_noticed: bool) -> None:
+        """Have the operator's end killed, and another there after a while, with datagrams later."""
+        number = self.operator.number + 1
+        self.operator.is_gone, self.operator.is_noticed = True, is_noticed
+        self._report_ns = NEVER_NS
+        if is_noticed:
+            self.sender.disconnect()
+
+        def come(now_ns: int) -> None:
+            if self.operator.is_gone:
+                self._begin_operator(number)
+                self._report_soon(now_ns)
+
+        self.at(now_ns + back_ns, come)
+        self.at(
+            now_ns + back_ns + key_ns, lambda now_ns: self.allow(now_ns, has_datagrams=self.has_datagrams)
+        )
+
+    def restart_robot(self, now_ns: int, *, key_ns: int) -> None:
+        """Have the robot's end stop, and another begin that knows nothing of it."""
+        before = self.boots[-1]
+        before.missed += self.sender.take_missed(now_ns, is_last=True)
+        self.sender, self.payloads = LinkSender(start_ns=now_ns), defaultdict(list)
+        self.boots.append(Boot(self.sender, self.payloads))
+        self.open_streams(now_ns)
+        number, is_gone = before.operators[-1].number, before.operators[-1].is_gone
+        self._begin_operator(number)
+        self.operator.is_gone = is_gone
+        self._report_ns = NEVER_NS
+        if not is_gone:
+            self._report_soon(now_ns)
+        self.at(now_ns + key_ns, lambda now_ns: self.allow(now_ns, has_datagrams=self.has_datagrams))
+
+    def _begin_operator(self, number: int) -> None:
+        self.boots[-1].operators.append(Operator(number))
+        self.receiver = self.operator.receiver
+
     def _pump(self, now_ns: int) -> None:
-        scheduler = self.sender.scheduler
+        scheduler, operator = self.sender.scheduler, self.operator
         while (data := scheduler.next_chunk(now_ns)) is not None:
             if scheduler.is_by_datagrams:
                 for at_ns in self.up.arrivals_ns(len(data), now_ns):
-                    self.at(at_ns, partial(self._arrive_datagram, data))
+                    self.at(at_ns, partial(self._arrive_at, operator, data, True))
             else:
-                self.at(self.link.arrival_ns(len(data), now_ns), partial(self._arrive, data))
+                self.at(
+                    self.link.arrival_ns(len(data), now_ns), partial(self._arrive_at, operator, data, False)
+                )
         wake_ns = scheduler.wake_ns(now_ns)
         if wake_ns is not None and (wake_ns < self.wake_ns or self.wake_ns <= now_ns):
             self.wake_ns = max(wake_ns, now_ns + 1)
             self.at(self.wake_ns, lambda _now_ns: None)
 
-    def _arrive_datagram(self, data: bytes, now_ns: int) -> None:
-        for got in self.receiver.receive_datagram(data, now_ns):
-            if not isinstance(got, Announcement):
+    def _arrive_at(self, operator: Operator, data: bytes, is_datagram: bool, now_ns: int) -> None:
+        """What comes for an end that is gone has no seal that another one opens."""
+        if operator.is_gone:
+            return
+        receiver = operator.receiver
+        found = receiver.receive_datagram(data, now_ns) if is_datagram else [receiver.receive(data, now_ns)]
+        for got in found:
+            if isinstance(got, ReceivedMessage):
                 self.arrived[got.stream.topic].append((now_ns, got))
-        self._report_soon(now_ns)
+                operator.arrived[got.stream.topic].append(int.from_bytes(got.payload[:8], "little"))
+        if operator is self.operator:
+            self._report_soon(now_ns)
 
     def _report(self, now_ns: int) -> None:
-        if not self.receiver.is_by_datagrams:
-            super()._report(now_ns)
-            return
-        if now_ns < self.receiver.wake_ns or now_ns != self._report_ns:
+        operator = self.operator
+        if operator.is_gone or now_ns < self.receiver.wake_ns or now_ns != self._report_ns:
             return
         data = self.receiver.next_report(now_ns)
         report: Report = REPORTS.from_bytes(data)
-        for at_ns in self.down.arrivals_ns(len(data), now_ns):
-            self.at(at_ns, partial(self._take_report, report))
-        self._report_ns = 2**62
+        told = partial(self._tell, self.boots[-1].sender, operator, _copied(operator.arrived), report)
+        if self.receiver.is_by_datagrams:
+            for at_ns in self.down.arrivals_ns(len(data), now_ns):
+                self.at(at_ns, partial(told, is_datagram=True))
+        if not self.receiver.is_by_datagrams or now_ns - self._said_ns >= KEEP_ALIVE_NS:
+            self._said_ns = now_ns
+            if self.link.rate(now_ns) > 0:
+                self.at(now_ns + int(self.link.delay_s * S), told)
+        self._report_ns = NEVER_NS
         self._report_soon(now_ns)
 
+    def _tell(
+        self,
+        sender: LinkSender[None],
+        operator: Operator,
+        arrived: dict[str, list[int]],
+        report: Report,
+        now_ns: int,
+        *,
+        is_datagram: bool = False,
+    ) -> None:
+        if sender is not self.sender or (operator.is_noticed and not is_datagram):
+            return
+        is_news = report.received.session == sender.scheduler.session and not operator.is_noticed
+        if is_datagram:
+            sender.handle_datagram_report(report, now_ns)
+        else:
+            self._take_report(report, now_ns)
+        if not is_news:
+            return
+        for topic, numbers in arrived.items():
+            operator.reported[topic].update(numbers)
 
-def lossy_ends(profile: Profile, sources: Sequence[Source], seed: int = 1) -> LossyEnds:
+
+def _copied(arrived: dict[str, list[int]]) -> dict[str, list[int]]:
+    return {topic: list(numbers) for topic, numbers in arrived.items()}
+
+
+def lossy_ends(
+    profile: Profile, sources: Sequence[Source], seed: int = 1, outages: Sequence[tuple[int, int]] = ()
+) -> LossyEnds:
     """Both ends over a radio that is alike either way; the reliable link beside it loses nothing."""
-    link = Link(((0.0, profile.mbit_per_s * 125_000),), profile.delay_ms / 1_000)
-    return LossyEnds(link, sources, up=Radio(profile, seed), down=Radio(profile, seed + 1))
+    bytes_per_s = profile.mbit_per_s * 125_000
+    steps = {0.0: bytes_per_s}
+    for from_ns, to_ns in outages:
+        steps |= {from_ns / S: 0.0, to_ns / S: bytes_per_s}
+    link = Link(tuple(sorted(steps.items())), profile.delay_ms / 1_000)
+    up, down = (Radio(profile, seed + one, outages) for one in range(2))
+    return LossyEnds(link, sources, up=up, down=down)

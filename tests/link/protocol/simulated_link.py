@@ -86,15 +86,20 @@ class Ends:
         heapq.heappush(self._events, (at_ns, next(self._order), act))
 
     def run(self, seconds: float) -> None:
+        self.open_streams(0)
         for source in self.sources:
-            qos = Qos(reliable=True, transient_local=source.transient_local, depth=10)
-            info = StreamInfo(topic=source.topic, type_name="std_msgs/msg/String", qos=qos)
-            stream = self.sender.open(info, 0)
-            assert stream is not None
-            self._streams[source.topic] = stream
             self.at(int(source.from_s * S), partial(self._publish, source))
         self.at(0, self._report)
         self.go_on(seconds)
+
+    def open_streams(self, now_ns: int) -> None:
+        """Have the robot's end carry all sources."""
+        for source in self.sources:
+            qos = Qos(reliable=True, transient_local=source.transient_local, depth=10)
+            info = StreamInfo(topic=source.topic, type_name="std_msgs/msg/String", qos=qos)
+            stream = self.sender.open(info, now_ns)
+            assert stream is not None
+            self._streams[source.topic] = stream
 
     def go_on(self, seconds: float) -> None:
         """Run until so many seconds have passed since the beginning."""

@@ -130,7 +130,7 @@ class OrderedParts:
     def add(self, chunk: Chunk, span: LostSpan, sent_ns: int) -> Iterator[WholeMessage]:
         """The messages that are to be delivered now. Raises ``LinkError`` where there is no room."""
         stream, place = chunk.stream, chunk.before
-        if chunk.is_in_order and place < self.delivered(stream):
+        if chunk.is_in_order and (place < self.delivered(stream) or place in self._waiting.get(stream, ())):
             return iter(())
         if self._waiting_bytes + len(chunk.body) > MAX_PARTIAL_BYTES:
             raise malformed("more messages that wait for others than there is room for")

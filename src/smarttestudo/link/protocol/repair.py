@@ -107,7 +107,8 @@ class SentParts:
         """``trip_ns`` is the round trip, as far as it is known."""
         self._window = window
         self._share = share
-        self._trip_ns = _FIRST_TRIP_NS if trip_ns is None else trip_ns
+        # One that was measured in an outage is no reason to wait as long after it.
+        self._trip_ns = _FIRST_TRIP_NS if trip_ns is None else min(trip_ns, 2 * _FIRST_TRIP_NS)
         self._parts: dict[int, _Part] = {}
         """Parts under way, by where they end in the session, in the order in which they were sent."""
         self._lost: dict[int, _Part] = {}

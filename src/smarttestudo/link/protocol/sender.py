@@ -240,6 +240,14 @@ class LinkSender(Generic[_Request]):
         elif has_joined and not self.scheduler.is_by_datagrams:
             self._outbox.send_latched_again()
 
+    def handle_datagram_report(self, report: Report, now_ns: int) -> None:
+        """The same by a datagram, which counts only while the reliable link has the operator's end as well.
+
+        One that comes after the news that an operator's end left must not keep the next from being served.
+        """
+        if report.receiver == self._receiver or report.receiver in self._receivers.numbers:
+            self.handle_report(report, now_ns)
+
     def allow_datagrams(self, receivers: frozenset[int]) -> None:
         """Datagrams come through to these receivers and back."""
         self._datagrams_to = receivers

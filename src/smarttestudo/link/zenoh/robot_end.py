@@ -130,7 +130,7 @@ class RobotEnd:
         datagrams = self._datagrams = Datagrams(
             options,
             self._clock,
-            lambda _peer, data: self._take_report(self._datagram_reports, data),
+            lambda _peer, data: self._take_report(self._datagram_reports, data, is_datagram=True),
             lambda reached: self._do(partial(self._sender.allow_datagrams, frozenset(map(int, reached)))),
             self._warn,
             is_robot=True,
@@ -269,14 +269,15 @@ class RobotEnd:
             return
         self._take_report(self._reports, sample.payload.to_bytes())
 
-    def _take_report(self, reader: ReportReader, data: bytes) -> None:
+    def _take_report(self, reader: ReportReader, data: bytes, *, is_datagram: bool = False) -> None:
         try:
             report = reader.from_bytes(data)
         except LinkError:
             self._versions.check(OPERATOR, data)
             self.malformed += 1
             return
-        self._do(lambda: self._sender.handle_report(report, self._clock()))
+        handle = self._sender.handle_datagram_report if is_datagram else self._sender.handle_report
+        self._do(lambda: handle(report, self._clock()))
 
     def _send_next(self) -> float:
         """Send all chunks that may be sent, or an answer; how long to wait then."""
