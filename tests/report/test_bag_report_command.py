@@ -104,7 +104,7 @@ def test_decisions_that_were_cut_off_are_told_of(desk: Desk) -> None:
 def test_the_reports_of_a_replay_and_of_one_recording_read_as_in_the_golden_files(desk: Desk) -> None:
     ran = desk.report("sent", "received", "--rules", "rules.adirf", "--decisions", "log.jsonl")
     assert (ran.code, ran.err) == (0, "")
-    assert ran.out == "report.html: −90 % bandwidth, 4 decisions, /odom error 7.2 cm\n"
+    assert ran.out == "report.html: −90 % bandwidth, /odom error 7.2 cm, at fixed rates 5.4 cm\n"
     assert_reads_as(GOLDEN / "page-replay.html", page_lines(desk.html))
     ran = desk.report("sent", "--topics", "/odom", "-o", "one.html")
     assert (ran.code, ran.err) == (0, "")
@@ -133,15 +133,15 @@ def test_of_decisions_before_the_recording_the_last_is_where_a_topic_starts(desk
         ("/odom", 5.0),
         ("/odom", 10.0),
     ]
-    ran = desk.report("part", "--decisions", "log.jsonl", "--rules", "rules.adirf")
-    assert ran.out.endswith(", 3 decisions\n")
+    desk.report("part", "--decisions", "log.jsonl", "--rules", "rules.adirf")
+    assert desk.html.count('data-time="') == 3
     early = [one for one in log if one["stamp_ns"] < at_ns[0]]
     # Another run of yesterday that relayed another topic, too.
     other = [{**one, "stamp_ns": 5, "topic": f"/old{one['topic']}"} for one in early]
     later = {**log[-1], "stamp_ns": at_ns[1] + NS_PER_S}
     (desk.folder / "runs.jsonl").write_text("\n".join(map(json.dumps, [*other, *log, later])) + "\n")
-    again = desk.report("part", "--decisions", "runs.jsonl", "--rules", "rules.adirf", "-o", "again.html")
-    assert again.out.endswith(", 3 decisions\n")
+    desk.report("part", "--decisions", "runs.jsonl", "--rules", "rules.adirf", "-o", "again.html")
+    assert Path("again.html").read_text("utf-8").count('data-time="') == 3
     assert (desk.folder / "again.html").read_text("utf-8").count("/old") == 0
 
 

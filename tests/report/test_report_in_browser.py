@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 
 import pytest
@@ -89,7 +89,7 @@ def opened(browser: Browser, tmp_path: Path) -> Opened:
 @pytest.mark.journey
 def test_a_report_opens_without_a_complaint_and_asks_for_nothing(opened: Opened) -> None:
     expect(opened.page.locator(".time-bar")).to_be_visible()
-    assert opened.page.locator("svg.over-time:visible").count() == 12
+    assert opened.page.locator("svg.over-time:visible").count() == 11
     assert opened.complaints == []
     assert len(opened.requests) == 1
 
@@ -108,7 +108,7 @@ def test_the_cursor_is_at_one_time_in_all_charts_on_the_map_and_in_words(opened:
     expect(opened.chart("rate 6").locator(".readout")).to_have_text("195 → 10 Hz")
     expect(opened.chart("total").locator(".readout")).to_contain_text("KB/s")
     lines = opened.page.locator(".cursor.known").evaluate_all(SHARES_OF_WIDTH)
-    assert len(lines) == 12
+    assert len(lines) == 11
     assert max(lines) - min(lines) < 0.02
     middle = opened.robot
     opened.point_at("lanes", 0.9)
@@ -135,7 +135,7 @@ def test_dragging_across_one_chart_zooms_all_and_a_button_shows_the_whole_run(op
     expect(opened.page.locator("svg.map.zoomed .shown-path")).to_have_attribute("points", re.compile(","))
     opened.point_at("rate 0", 0.0)
     started = float(opened.words.inner_text().split(" s")[0])
-    opened.point_at("stack", 0.995)
+    opened.point_at("lanes", 0.995)
     ended = float(opened.words.inner_text().split(" s")[0])
     assert started == pytest.approx(50, abs=3)
     assert ended == pytest.approx(100, abs=3)
@@ -148,8 +148,10 @@ def test_the_keyboard_reaches_the_time_the_tables_and_the_decisions(opened: Open
     slider.focus()
     opened.page.keyboard.press("End")
     expect(opened.words).to_contain_text("200.0 s")
+    opened.page.locator("summary", has_text="Decisions").press("Enter")
     opened.page.get_by_role("button", name="Show 31.2 s").first.press("Enter")
     expect(opened.words).to_contain_text("31.3 s")
+    opened.page.locator("summary", has_text="Frequency").press("Enter")
     table = opened.page.get_by_role("table", name="Frequency")
     heading = table.get_by_role("columnheader", name="Change")
     heading.get_by_role("button").press("Enter")
@@ -162,12 +164,13 @@ def test_the_keyboard_reaches_the_time_the_tables_and_the_decisions(opened: Open
 
 def test_without_scripts_every_drawing_and_number_is_there(browser: Browser, tmp_path: Path) -> None:
     opened = Opened(browser, tmp_path, scripts=False)
-    assert opened.page.locator("svg.over-time:visible").count() == 12
+    assert opened.page.locator("svg.over-time:visible").count() == 11
     expect(opened.page.locator(".time-bar")).to_have_count(0)
+    for heading in opened.page.locator("summary").all():
+        heading.click()
     words = opened.page.locator("body").inner_text().replace("\N{NO-BREAK SPACE}", " ")
     for text in (
-        "−89 % bandwidth, 24 decisions, /odom error 1.3 cm",
-        "0.4 cm",
+        "−89 % bandwidth, /odom error 1.3 cm, at fixed rates 0.4 cm",
         "31.2",
         "180 380.00",
         "20 861.96",
@@ -180,8 +183,9 @@ def test_paper_has_the_drawings_of_the_screen_and_the_stretch_that_they_show(ope
     opened.page.get_by_role("slider").fill("100")
     opened.page.get_by_role("button", name="Zoom in").click()
     opened.page.emulate_media(media="print")
-    assert opened.page.locator("svg.over-time:visible").count() == 12
-    assert opened.chart("rate 0").locator(".times text").all_text_contents()[0] == "60"
+    assert opened.page.locator("svg.over-time:visible").count() == 11
+    expect(opened.page.get_by_role("table", name="Frequency")).to_be_visible()
+    assert opened.chart("total").locator(".times text").all_text_contents()[0] == "50"
     expect(opened.page.locator(".time-bar")).to_be_hidden()
 
 
@@ -246,6 +250,7 @@ def test_on_a_telephone_a_chart_fits_a_lane_has_its_name_above_and_a_wide_table_
     assert all(height >= 11 for _, _, height in boxes)
     assert all(right < left for (_, right, _), (left, _, _) in pairwise(boxes))
     assert boxes[-1][1] <= 390
+    opened.page.locator("summary", has_text="Frequency").click()
     table = opened.page.get_by_role("table", name="Frequency")
     table.locator("xpath=..").evaluate("(figure) => { figure.scrollLeft = figure.scrollWidth; }")
     cells = table.locator("tbody tr").first.locator("td")
@@ -256,5 +261,39 @@ def test_on_a_telephone_a_chart_fits_a_lane_has_its_name_above_and_a_wide_table_
     assert last["x"] + last["width"] <= 390
 
 
+def test_a_report_is_read_on_a_few_screens_and_the_time_bar_leaves_a_telephone_its_room(
+    opened: Opened,
+) -> None:
+    for width, most_screens in ((1440, 5.5), (390, 8)):
+        opened.page.set_viewport_size({"width": width, "height": 844})
+        height = opened.page.evaluate("document.documentElement.scrollHeight")
+        assert height < 844 * most_screens
+        bar = opened.page.locator(".time-bar").bounding_box()
+        assert bar is not None
+        assert bar["height"] <= 64
+
+
+def test_charts_below_each_other_show_the_same_time_at_the_same_place(opened: Opened) -> None:
+    for width in WIDTHS_PX:
+        opened.page.set_viewport_size({"width": width, "height": 844})
+        grounds = opened.page.locator(".over-time .ground").evaluate_all(BOXES)
+        assert len({(round(left), round(right)) for left, right, _ in grounds}) == 1
+
+
+def test_names_on_the_map_cover_none_of_each_other_on_a_telephone(opened: Opened) -> None:
+    opened.page.set_viewport_size({"width": 390, "height": 844})
+    boxes = opened.page.locator(".zone-name, .marker-name").evaluate_all(
+        "texts => texts.map((text) => { const b = text.getBoundingClientRect(); "
+        "return [b.left, b.right, b.top, b.bottom]; })"
+    )
+    assert len(boxes) == 4
+    for one, other in combinations(boxes, 2):
+        apart = one[1] <= other[0] or other[1] <= one[0] or one[3] <= other[2] or other[3] <= one[2]
+        assert apart
+
+
 def test_axe_finds_nothing(browser: Browser, tmp_path: Path) -> None:
-    assert violations(Opened(browser, tmp_path).page) == []
+    page = Opened(browser, tmp_path).page
+    for heading in page.locator("summary").all():
+        heading.click()
+    assert violations(page) == []

@@ -22,11 +22,21 @@ tiers_hz = [1, 2, 5, 10, 15, 20]
 `;
 const NAMED_KEYS = ["Enter", "Tab", "Escape", "End", "ArrowUp"];
 
+test.each(["Enter", "Tab"])("%s takes the one topic that begins as what is typed", async (key) => {
+  const ruler = await openDock();
+  await (await ruler.field("Edit topic to send")).click();
+  await commands.type("/im");
+  await expect.element(option("/imu")).toHaveAttribute("aria-selected", "true");
+  await commands.press(key);
+  await ruler.expectLines("SetFrequency /imu 4");
+});
+
 test("a name that nobody knows is kept as typed", async () => {
   const ruler = await openDock();
   await (await ruler.field("Edit topic to send")).click();
-  await commands.type("/odo");
-  await ruler.shown(option("/odom"));
+  await keys("/odo", "ArrowUp");
+  const half = page.getByRole("option", { name: "/odo as typed" });
+  await expect.element(half).toHaveAttribute("aria-selected", "true");
   await commands.press("Enter");
   await ruler.expectLines("SetFrequency /odo 4");
   await (await ruler.field("Edit topic to send: /odo")).click();

@@ -367,10 +367,11 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
 
     a, b = arguments.a, arguments.b
     occupancy = None if arguments.nav2_map is None else read_nav2_map(arguments.nav2_map)
+    names = RunNames(before="Sent" if b else name_of(a), after="Received")
     facts = {
         "SmartTestudo": __version__,
-        "A": a,
-        "B": b,
+        "Recording" if b is None else names.before: a,
+        names.after: b,
         "Decisions": arguments.decisions,
         "Map": arguments.nav2_map,
     }
@@ -384,8 +385,8 @@ def _report(arguments: argparse.Namespace, profile: Profile, rules: LoadedRules 
             title=name_of(a) if b is None else f"{name_of(a)} beside {name_of(b)}",
             explanation=""
             if b is None
-            else f"A is what the robot sent ({a}), B what was received of it ({b}).",
-            names=RunNames(before="A" if b else name_of(a), after="B"),
+            else f"Sent is what the robot published ({a}), received what arrived of it ({b}).",
+            names=names,
             mapping=topic_mapping(arguments.map),
             topics=arguments.topics,
             rule_set=rules.rule_set if rules else None,
@@ -411,4 +412,4 @@ def _html(report: RunReport) -> str:
 def _summary(report: RunReport) -> str:
     from smarttestudo.report.summary import summary_sentence  # noqa: PLC0415  as above
 
-    return summary_sentence(report.comparison, len(report.decisions), report.loss)
+    return summary_sentence(report.comparison, report.loss)

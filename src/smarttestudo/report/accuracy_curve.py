@@ -26,8 +26,8 @@ from smarttestudo.report.axes import (
     tick_label,
     value_axis,
 )
-from smarttestudo.report.markup import Markup, html_table, tag
-from smarttestudo.report.page import figure, section, topic_name
+from smarttestudo.report.markup import Markup, tag
+from smarttestudo.report.page import figure, folded_tables, topic_name
 
 _LEAST = 1e-300
 """An error that is smaller counts as none: there is no room for a margin among the numbers."""
@@ -116,26 +116,19 @@ _EXPLANATION = (
 )
 
 
-def accuracy_curve_section(curve: AccuracyCurve) -> Markup:
+def accuracy_curve_parts(curve: AccuracyCurve) -> Iterator[Markup]:
     """The worst error against the messages, and all numbers beneath."""
     chart = accuracy_chart(curve)
-    table = accuracy_table([curve])
-    return section(
-        "What an accuracy costs",
-        *(_drawing(chart) if chart else ()),
-        html_table(table),
-        explanation=_EXPLANATION,
-    )
+    yield tag("p", _EXPLANATION, class_="explanation")
+    if chart:
+        yield legend(*(line_entry(style_of(line), line.name) for line in chart.lines))
+        yield figure(draw_accuracy(chart), topic_name(chart.name))
+    yield from folded_tables([accuracy_table([curve])])
 
 
 def style_of(line: AccuracyLine) -> str:
     """The class of a line in the style sheet."""
     return f"{line.sent.value} reckoned" if line.reckons else line.sent.value
-
-
-def _drawing(chart: AccuracyChart) -> Iterator[Markup]:
-    yield legend(*(line_entry(style_of(line), line.name) for line in chart.lines))
-    yield figure(draw_accuracy(chart), topic_name(chart.name))
 
 
 def draw_accuracy(chart: AccuracyChart) -> Markup:

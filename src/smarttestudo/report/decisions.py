@@ -17,7 +17,7 @@ from smarttestudo.domain.units import grouped
 from smarttestudo.language.formatter import value_text
 from smarttestudo.report.axes import label, number, percent_place, plot
 from smarttestudo.report.markup import Markup, name_parts, tag
-from smarttestudo.report.page import section
+from smarttestudo.report.page import figure, folded, section
 from smarttestudo.report.rule_timeline import (
     DEFAULTS,
     RuleStyles,
@@ -250,29 +250,21 @@ _EXPLANATION = "A decision changes the rate of a topic, because a rule begins or
 
 
 def decision_section(report: RunReport, styles: RuleStyles) -> Markup:
-    """The decisions over time, then each of them beside the rules, as far as there are any."""
-    chart, columns = [], []
-    if report.decisions or report.actions:
-        rows = lanes(report.decisions, report.duration_s, styles)
-        acting = action_lanes(report.actions, report.duration_s, styles)
-        rows = (*rows[: MAX_LANES - len(acting)], *acting)
-        drawing = decision_chart(rows, report.duration_s, report.incident)
-        chart = [tag("figure", drawing, class_="chart timeline", data_chart="lanes")]
-        columns.append(_scrolling("Decisions", [decision_list(report.decisions, styles)]))
-    if report.actions:
-        columns.append(_scrolling("Actions", [action_list(report.actions)]))
-    if report.rules:
-        columns.append(_scrolling("Rules", list(_rule_files(report.rules))))
-    content = (*chart, tag("div", *columns, class_="columns"))
-    if report.decisions or report.actions:
-        return section("What the rules decided", *content, explanation=_EXPLANATION)
-    return section("The rules", *content)
-
-
-def _scrolling(heading: str, content: Sequence[Markup]) -> Markup:
-    """A box of its own height, which a keyboard can scroll too."""
-    box = tag("div", *content, class_="scrolling", tabindex="0", role="region", aria_label=heading)
-    return tag("div", tag("h3", heading), box)
+    """The decisions over time, then each of them and the rules, as far as there are any."""
+    rules = list(_rule_files(report.rules))
+    if not report.decisions and not report.actions:
+        return section("The rules", *rules)
+    rows = lanes(report.decisions, report.duration_s, styles)
+    acting = action_lanes(report.actions, report.duration_s, styles)
+    rows = (*rows[: MAX_LANES - len(acting)], *acting)
+    return section(
+        "What the rules decided",
+        figure(decision_chart(rows, report.duration_s, report.incident), kind="lanes"),
+        folded("Decisions", decision_list(report.decisions, styles)),
+        *([folded("Actions", action_list(report.actions))] if report.actions else ()),
+        *([folded("Rules", *rules)] if rules else ()),
+        explanation=_EXPLANATION,
+    )
 
 
 def _rule_files(rules: Sequence[RuleText]) -> Iterator[Markup]:
@@ -282,7 +274,7 @@ def _rule_files(rules: Sequence[RuleText]) -> Iterator[Markup]:
         lines = rule.text[:characters_left].splitlines()[:lines_left]
         lines_left -= len(lines)
         characters_left -= sum(map(len, lines))
-        yield tag("h4", rule.name, class_="words name")
+        yield tag("h3", rule.name, class_="words name")
         yield tag("pre", *_numbered(lines), tabindex="0")
         if len(lines) < len(rule.text.splitlines()):
             yield tag("p", "The file goes on; this is its beginning.", class_="note")

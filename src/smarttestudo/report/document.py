@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from smarttestudo.accuracy.accuracy_curve import AccuracyCurve
 from smarttestudo.accuracy.comparison import AccuracyComparison
 from smarttestudo.accuracy.loss_report import LossReport
 from smarttestudo.domain.decision import Decision
 from smarttestudo.domain.units import counted, grouped
-from smarttestudo.report.accuracy_curve import accuracy_curve_section
+from smarttestudo.report.accuracy_curve import accuracy_curve_parts
 from smarttestudo.report.accuracy_tables import accuracy_sentences, accuracy_tables
 from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.comparison_tables import RunNames
@@ -18,12 +19,13 @@ from smarttestudo.report.decisions import decision_section
 from smarttestudo.report.floor_map import FloorMap, draw_floor_map, floor_map
 from smarttestudo.report.link import link_section
 from smarttestudo.report.loss_tables import excess_note, loss_tables
-from smarttestudo.report.markup import Markup, html_table, tag
+from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.page import (
     RUN_SCRIPTS,
     Bar,
     bars,
     figure,
+    folded_tables,
     html_document,
     kept_together,
     provenance_section,
@@ -49,8 +51,8 @@ from smarttestudo.report.summary import (
     summary_sentence,
 )
 from smarttestudo.report.table import format_number, percent_text
-from smarttestudo.report.time_chart import Run, TimeChart, rate_charts, stacked_chart, total_chart
-from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart, layer_legend
+from smarttestudo.report.time_chart import TimeChart, rate_charts, total_chart
+from smarttestudo.report.time_drawing import STRIP, WIDE, draw_chart
 
 
 def render_report(report: RunReport) -> str:
@@ -70,24 +72,16 @@ def render_report(report: RunReport) -> str:
 def _sections(report: RunReport, styles: RuleStyles) -> Iterator[Markup]:
     if report.decisions or report.rules:
         yield decision_section(report, styles)
-    if report.series:
-        yield rates_section(report, styles)
-        yield bandwidth_section(report)
+    yield topics_section(report, styles)
     if report.link is not None:
         total = report.total.after if report.is_pair else report.total.before
         yield link_section(report.link, total.kb_per_s, report.duration_s)
     if report.loss is not None:
-        yield loss_section(report.loss, report.names)
-    if report.accuracy is not None:
-        yield accuracy_section(report.accuracy)
-    if report.accuracy_curve is not None:
-        yield accuracy_curve_section(report.accuracy_curve)
-    for table in report.shown_tables:
-        yield section(table.title, html_table(table))
-    if report.notices:
-        yield notices_section(report.notices)
-    if report.provenance:
-        yield provenance_section(report.provenance)
+        yield loss_section(report.loss, report.names, report.accuracy, report.accuracy_curve)
+    elif report.accuracy_curve is not None:
+        yield section(_COST, *accuracy_curve_parts(report.accuracy_curve))
+    if report.provenance or report.notices:
+        yield provenance_section(report.provenance, report.notices)
 
 
 def opening(
@@ -96,7 +90,7 @@ def opening(
     """The report's head, beside the map where there is one."""
     topics = len(report.comparison.topics)
     extent = f"{counted(topics, 'topic')}, {format_number(report.duration_s, 0)} s"
-    sentence = summary_sentence(report.comparison, len(report.decisions), report.loss)
+    sentence = summary_sentence(report.comparison, report.loss)
     words = tag(
         "div",
         tag("h1", report.title, class_="words"),
@@ -168,39 +162,34 @@ def rule_legend(spans: Sequence[RuleSpan], styles: RuleStyles) -> Markup:
 _POINTS_OF_ALL_CHARTS = 2000
 _FEWEST_POINTS, _MOST_POINTS = 80, 1000
 _WIDE_POINTS = 400
+_TOPICS, _COST = "Rates and bandwidth", "What an accuracy costs"
 
 
-def rates_section(report: RunReport, styles: RuleStyles) -> Markup:
-    """A small chart for each topic that has one."""
+def topics_section(report: RunReport, styles: RuleStyles) -> Markup:
+    """The rates of each topic that has a chart, the bandwidth of all under them, and the numbers."""
     charts = rate_charts(report)
-    left_out = len(report.series) - len(charts)
-    note = (
-        [tag("p", f"{grouped(left_out)} more topics are in the tables.", class_="note")] if left_out else []
-    )
     target = [line_entry("target", "Target")] if report.decisions else []
+    budget = [] if report.budget_kb_per_s is None else [line_entry("budget", "Budget")]
     tints = [line_entry(f"strip {style.css_class}", style.name) for style in styles.all if report.decisions]
     shading = ", shaded by the rule that decided the topic" if report.decisions else ""
+    tables = folded_tables(report.shown_tables)
+    if not report.series:
+        return section(_TOPICS, *tables)
+    total = draw_chart(total_chart(report), WIDE, _WIDE_POINTS)
+    left_out = len(report.series) - len(charts)
+    note = [tag("p", f"In the tables: {counted(left_out, 'more topic')}.", class_="note")] if left_out else []
     return section(
-        "Rate of each topic",
-        legend(*_runs(report), *target, *_incident(report), *tints),
-        tag("div", *_rate_figures(report, charts), class_="charts"),
+        _TOPICS,
+        legend(*_runs(report), *target, *budget, *_incident(report), *tints),
+        tag(
+            "div",
+            *_rate_figures(report, charts),
+            figure(total, tag("span", report.total.topic, class_="name"), kind="total"),
+            class_="strips",
+        ),
         *note,
-        explanation=f"Messages in each second{shading}.{_stretches(report)}",
-    )
-
-
-def bandwidth_section(report: RunReport) -> Markup:
-    """All topics together over time, and what they consist of."""
-    total, stack = total_chart(report), stacked_chart(report, Run.AFTER if report.is_pair else Run.BEFORE)
-    budget = [] if report.budget_kb_per_s is None else [line_entry("budget", "Budget")]
-    by_topic = f"{stack.name}, by topic" if report.is_pair else "By topic"
-    return section(
-        "Bandwidth",
-        legend(*_runs(report), *budget, *_incident(report)),
-        figure(draw_chart(total, WIDE, _WIDE_POINTS), tag("span", total.name, class_="name"), kind="total"),
-        layer_legend(stack.layers, lambda layer: bandwidth_text(layer.mean_kb_per_s)),
-        figure(draw_chart(stack, WIDE, _WIDE_POINTS), tag("span", by_topic, class_="name"), kind="stack"),
-        explanation="What the topics shown here carry together in each second.",
+        *tables,
+        explanation=f"Messages in each second{shading}, and what all topics carry.{_stretches(report)}",
     )
 
 
@@ -215,19 +204,14 @@ def _incident(report: RunReport) -> Iterator[Markup]:
         yield line_entry("incident", report.incident.name)
 
 
-def notices_section(notices: Sequence[str]) -> Markup:
-    """Notices of what was lost or odd."""
-    return section("Good to know", tag("ul", *(tag("li", notice, class_="words") for notice in notices)))
-
-
 def _rate_figures(report: RunReport, charts: Sequence[TimeChart]) -> Iterator[Markup]:
     pairs = {pair.topic: pair for pair in report.comparison.topics}
-    max_points = min(max(_POINTS_OF_ALL_CHARTS // len(charts), _FEWEST_POINTS), _MOST_POINTS)
+    max_points = min(max(_POINTS_OF_ALL_CHARTS // max(len(charts), 1), _FEWEST_POINTS), _MOST_POINTS)
     for chart in charts:
         change = pairs[chart.name].change_percent if chart.name in pairs else None
         text = "" if change is None else percent_text(change, decimals=0, signed=True)
         readout = tag("span", text, class_="quiet readout")
-        yield figure(draw_chart(chart, SMALL, max_points), topic_name(chart.name), readout, kind="rate")
+        yield figure(draw_chart(chart, STRIP, max_points), topic_name(chart.name), readout, kind="rate")
 
 
 def _stretches(report: RunReport) -> str:
@@ -248,28 +232,31 @@ def _stretches(report: RunReport) -> str:
     return f" Each point stands for {grouped(seconds)} s, from the least to the greatest rate among them."
 
 
-def loss_section(loss: LossReport, names: RunNames) -> Markup:
-    """The error of the position as bars, then fields, ages, crossings and images as tables."""
-    explanation = (
-        "The error of the operator's data when the last message received is held. Fixed: the baseline, which "
-        "is the best fixed rates for the same bytes, without rules."
-    )
-    excess = [tag("p", line, class_="note") for line in excess_note(loss)]
-    tables = (part for table in loss_tables(loss) for part in (tag("h3", table.title), html_table(table)))
-    letters = f"In the tables, A is {names.before} and B is {names.after}."
-    note = [] if names == RunNames(before="A", after="B") else [tag("p", letters, class_="note")]
+def loss_section(
+    loss: LossReport,
+    names: RunNames,
+    accuracy: AccuracyComparison | None = None,
+    curve: AccuracyCurve | None = None,
+) -> Markup:
+    """The error of the position as bars, rules and bounds beside fixed rates, then the numbers."""
+    excess = [tag("p", line, class_="note") for line in excess_note(loss, names)]
     return section(
-        "What the operator lost", *_position(loss, names), *excess, *note, *tables, explanation=explanation
+        "What the operator lost",
+        *_position(loss, names),
+        *excess,
+        *folded_tables(loss_tables(loss, names)),
+        *(_beside_fixed(accuracy) if accuracy else ()),
+        *((tag("h3", _COST), *accuracy_curve_parts(curve)) if curve else ()),
+        explanation="The error of the operator's data when the last message received is held. Fixed: the "
+        "baseline, which is the best fixed rates for the same bytes, without rules.",
     )
 
 
-def accuracy_section(comparison: AccuracyComparison) -> Markup:
+def _beside_fixed(comparison: AccuracyComparison) -> Iterator[Markup]:
     """How far the operator's picture was off at fixed rates and under rules."""
-    return section(
-        "Fixed rates, rates by rules, and bounds",
-        *(html_table(table) for table in accuracy_tables(comparison)),
-        explanation=" ".join(accuracy_sentences(comparison)),
-    )
+    yield tag("h3", "Fixed rates, rates by rules, and bounds")
+    yield tag("p", " ".join(accuracy_sentences(comparison)), class_="explanation")
+    yield from folded_tables(accuracy_tables(comparison))
 
 
 def _position(loss: LossReport, names: RunNames) -> Iterator[Markup]:

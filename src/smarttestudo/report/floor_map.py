@@ -135,18 +135,25 @@ _NAME_SPACE = 90.0
 _LONGEST_NAME = 24
 _CHARACTER_WIDTH = 8.0
 _LINE_HEIGHT = 24.0
+# The names of start and end cover places to one side of these.
+_MARKED, _MARKED_STEPS = 12.0, 12
 
 
 def zone_names(zones: Sequence[FloorZone], places: Sequence[PathPoint], frame: MapFrame) -> Iterator[Markup]:
     """Put each zone's name in the corner of the zone that the path leaves free."""
     path = [frame.place(point) for point in places]
+    shifts = [_MARKED * step for step in range(-_MARKED_STEPS, _MARKED_STEPS)]
+    beside_ends = [(x + shift, y) for x, y in (*path[:1], *path[-1:]) for shift in shifts]
     for zone in zones:
         left, right = frame.x(zone.area.min_x_m), frame.x(zone.area.max_x_m)
         top, bottom = frame.y(zone.area.max_y_m), frame.y(zone.area.min_y_m)
         width = _CHARACTER_WIDTH * (len(zone.name) + 1)
         corners = [(x, y) for y in (top, bottom - _LINE_HEIGHT) for x in (left, right - width)]
-        x, y = min(corners, key=lambda corner: _passages(path, corner, width))
-        yield tag("text", zone.name, class_="zone-name", x=x + 8, y=y + 17)
+        x, y = min(corners, key=lambda corner: _passages([*path, *beside_ends], corner, width))
+        if x == left:
+            yield tag("text", zone.name, class_="zone-name", x=x + 8, y=y + 17)
+        else:
+            yield tag("text", zone.name, class_="zone-name", x=right - 8, y=y + 17, text_anchor="end")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

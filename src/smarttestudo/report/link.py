@@ -18,8 +18,8 @@ from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus, status_from_text
 from smarttestudo.domain.units import NS_PER_S, counted, grouped
 from smarttestudo.report.axes import legend, line_entry
-from smarttestudo.report.markup import Markup, html_table, tag
-from smarttestudo.report.page import figure, section, topic_name
+from smarttestudo.report.markup import Markup, tag
+from smarttestudo.report.page import figure, folded_tables, section, topic_name
 from smarttestudo.report.rule_timeline import RuleStyle, StyleSpan, bounded
 from smarttestudo.report.run_report import (
     MAX_CHARTS,
@@ -31,7 +31,7 @@ from smarttestudo.report.run_report import (
 )
 from smarttestudo.report.table import WHOLE, Column, Table, format_number
 from smarttestudo.report.time_chart import BANDWIDTH, ChartLine, Run, TimeChart, value_heights
-from smarttestudo.report.time_drawing import SMALL, WIDE, draw_chart
+from smarttestudo.report.time_drawing import STRIP, WIDE, draw_chart
 
 MAX_TOPICS = 100
 _MAX_VALUES = 20_000
@@ -279,18 +279,18 @@ def link_section(history: LinkHistory, received: Series, duration_s: float) -> M
     return section(
         "What the link did",
         legend(*lines),
-        figure(draw_chart(link, WIDE, _WIDE_POINTS), tag("span", link.name, class_="name"), kind="rate"),
-        tag("p", _outages(history), class_="note"),
         tag(
             "div",
+            figure(draw_chart(link, WIDE, _WIDE_POINTS), tag("span", link.name, class_="name"), kind="rate"),
             *(
-                figure(draw_chart(chart, SMALL, points), topic_name(chart.name), readout, kind="rate")
+                figure(draw_chart(chart, STRIP, points), topic_name(chart.name), readout, kind="rate")
                 for chart in ages
             ),
-            class_="charts",
+            class_="strips",
         ),
+        tag("p", _outages(history), class_="note"),
         *more,
-        html_table(link_table(history)),
+        *folded_tables([link_table(history)]),
         explanation=_EXPLANATION,
     )
 

@@ -21,29 +21,36 @@ from smarttestudo.accuracy.loss_report import (
     TopicLoss,
 )
 from smarttestudo.domain.units import BYTES_PER_KB, counted, grouped
+from smarttestudo.report.comparison_tables import RunNames
 from smarttestudo.report.table import WHOLE, Column, Table, decimals, measured
 
 _PERCENT = 100.0
 _MUCH_MORE = 1.25
 _ERROR_NOTE = (
-    "Error over time against A, in the field's unit: when the last value received is held, and when values "
-    "are interpolated afterwards between those received. %: RMSE relative to the field's range in A. Fields "
-    "that never changed are left out."
+    "Error over time against {a}, in the field's unit: when the last value received is held, and when "
+    "values are interpolated afterwards between those received. %: RMSE relative to the field's range in "
+    "{a}. Fields that never changed are left out."
 )
 _AGE_NOTE = "Age: time since the newest message received. Hz: messages over the recording's duration."
 _WRONG_NOTE = (
     "Wrong is for how long the operator believed something else of a text or a state, or knew nothing yet."
 )
 _CROSSING_NOTE = (
-    "In time: before A's next message. Missed: the value was back before a message came, or the way back "
+    "In time: before {a}'s next message. Missed: the value was back before a message came, or the way back "
     "from such a crossing. Late: mean and longest delay of those that were late."
 )
 _BOUND_NOTE = (
-    "Messages of A while the bound was in force, broken where B's picture was more than the bound off after "
-    "them. Worst: the largest error, in the property's unit. Times are in s since the start of A."
+    "Messages of {a} while the bound was in force, broken where {b}'s picture was more than the bound off "
+    "after them. Worst: the largest error, in the property's unit. Times are in s since the start of {a}."
 )
+LETTERS = RunNames(before="A", after="B")
+"""The recordings as `testudo bag loss` names them."""
 _MOST_STRETCHES = 3
 _IMAGE_NOTE = "Blind: the longest time without a new frame."
+
+
+def _named(note: str, names: RunNames) -> str:
+    return note.format(a=names.before, b=names.after)
 
 
 def arms_lines(report: LossReport) -> list[str]:
@@ -59,32 +66,32 @@ def arms_lines(report: LossReport) -> list[str]:
     ]
 
 
-def excess_note(report: LossReport) -> Iterator[str]:
-    """Says so where fixed rates took much more than B, and are no baseline for the same bytes."""
+def excess_note(report: LossReport, names: RunNames = LETTERS) -> Iterator[str]:
+    """Says so where fixed rates took many more bytes than were received, and are no baseline for those."""
     fixed_bytes, received_bytes = report.carried.fixed_bytes, report.carried.received_bytes
     if received_bytes and fixed_bytes > _MUCH_MORE * received_bytes:
         yield (
-            f"Fixed took {fixed_bytes / received_bytes:.1f} times the bytes of B: a rate is for each stream "
-            "of a topic, as each frame of /tf, and slow ones pass whole. For the bytes of B its errors would "
-            "be larger."
+            f"Fixed took {fixed_bytes / received_bytes:.1f} times the bytes of {names.after}: a rate is for "
+            "each stream of a topic, as each frame of /tf, and slow ones pass whole. For those bytes "
+            "its errors would be larger."
         )
 
 
-def loss_tables(report: LossReport) -> Iterator[Table[Any]]:
+def loss_tables(report: LossReport, names: RunNames = LETTERS) -> Iterator[Table[Any]]:
     """Errors, bounds, ages, crossings and images, each where there are any."""
     if report.fields:
-        yield error_table(report)
+        yield error_table(report, names)
     if report.bounds:
-        yield bound_table(report)
-    yield age_table(report)
+        yield bound_table(report, names)
+    yield age_table(report, names)
     if report.crossings:
-        yield crossing_table(report)
+        yield crossing_table(report, names)
     if report.images:
         yield image_table(report)
 
 
-def error_table(report: LossReport) -> Table[FieldLoss]:
-    """The errors of each field, B's beside those of fixed rates."""
+def error_table(report: LossReport, names: RunNames = LETTERS) -> Table[FieldLoss]:
+    """The errors of each field, those received beside those of fixed rates."""
     return Table(
         title="Error of the fields",
         columns=(
@@ -100,7 +107,7 @@ def error_table(report: LossReport) -> Table[FieldLoss]:
             Column("Fixed", "interp.", lambda loss: _rmse(_interpolated(loss.fixed)), measured),
         ),
         rows=report.fields,
-        footnotes=(_ERROR_NOTE, *_excluded_note(report)),
+        footnotes=(_named(_ERROR_NOTE, names), *_excluded_note(report, names)),
     )
 
 
@@ -125,16 +132,17 @@ def _rmse_percent(size: ErrorSize | None) -> float | None:
     return None if share is None else _PERCENT * share
 
 
-def _excluded_note(report: LossReport) -> tuple[str, ...]:
+def _excluded_note(report: LossReport, names: RunNames) -> tuple[str, ...]:
     parts = [
-        f"{loss.topic} {loss.field} {loss.excluded_sent} in A, {loss.excluded_received} in B"
+        f"{loss.topic} {loss.field} {loss.excluded_sent} in {names.before}, "
+        f"{loss.excluded_received} in {names.after}"
         for loss in report.fields
         if loss.excluded_sent or loss.excluded_received
     ]
     return (f"Left out, as no value is known: {'; '.join(parts)}.",) if parts else ()
 
 
-def bound_table(report: LossReport) -> Table[BoundLoss]:
+def bound_table(report: LossReport, names: RunNames = LETTERS) -> Table[BoundLoss]:
     """How each bound of the rules was kept."""
     return Table(
         title="Bounds of the rules",
@@ -150,7 +158,11 @@ def bound_table(report: LossReport) -> Table[BoundLoss]:
             Column("Kept", "", _kept, is_text=True),
         ),
         rows=report.bounds,
-        footnotes=(*_stretch_notes(report.bounds), *_unreadable_note(report.bounds), _BOUND_NOTE),
+        footnotes=(
+            *_stretch_notes(report.bounds),
+            *_unreadable_note(report.bounds),
+            _named(_BOUND_NOTE, names),
+        ),
     )
 
 
@@ -197,17 +209,17 @@ def _by(stretch: BrokenStretch, unit: str) -> str:
     return f" ({measured(stretch.worst)}{f' {unit}' if unit else ''})"
 
 
-def age_table(report: LossReport) -> Table[TopicLoss]:
-    """How old each topic was, B's beside fixed rates."""
+def age_table(report: LossReport, names: RunNames = LETTERS) -> Table[TopicLoss]:
+    """How old each topic was, as received beside fixed rates."""
     return Table(
         title="Age of information",
         columns=(
             Column("Topic", "", lambda loss: loss.topic, is_text=True),
-            *_arm_columns("B", lambda loss: loss.received, report.duration_s),
+            *_arm_columns(names.after, lambda loss: loss.received, report.duration_s),
             *_arm_columns("Fixed", lambda loss: loss.fixed, report.duration_s),
         ),
         rows=report.topics,
-        footnotes=(_AGE_NOTE, *_after_end_note(report)),
+        footnotes=(_AGE_NOTE, *_after_end_note(report, names)),
     )
 
 
@@ -226,14 +238,14 @@ def _arm_columns(
     yield Column("Max", "s", seconds(lambda age: age.max_s), decimals(3))
 
 
-def _after_end_note(report: LossReport) -> Iterator[str]:
+def _after_end_note(report: LossReport, names: RunNames) -> Iterator[str]:
     if report.after_end:
         listed = ", ".join(f"{grouped(count)} of {topic}" for topic, count in report.after_end.items())
-        yield f"Of B, {listed} came after the end of A, which no figure holds."
+        yield f"Of {names.after}, {listed} came after the end of {names.before}, which no figure holds."
 
 
-def crossing_table(report: LossReport) -> Table[CrossingLoss]:
-    """How the thresholds of checks were seen, B's beside fixed rates."""
+def crossing_table(report: LossReport, names: RunNames = LETTERS) -> Table[CrossingLoss]:
+    """How the thresholds of checks were seen, as received beside fixed rates."""
     crossed = [loss for loss in report.crossings if loss.crossings]
     never = len(report.crossings) - len(crossed)
     wrong: tuple[Column[CrossingLoss], ...] = (
@@ -259,7 +271,7 @@ def crossing_table(report: LossReport) -> Table[CrossingLoss]:
             *(wrong if has_words else ()),
         ),
         rows=crossed,
-        footnotes=(_CROSSING_NOTE, *((_WRONG_NOTE,) if has_words else ()), *note),
+        footnotes=(_named(_CROSSING_NOTE, names), *((_WRONG_NOTE,) if has_words else ()), *note),
     )
 
 

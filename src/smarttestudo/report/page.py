@@ -6,14 +6,16 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
+from typing import Any
 
 from smarttestudo.domain.json_text import json_text
-from smarttestudo.report.markup import Markup, name_parts, tag
+from smarttestudo.report.markup import Child, Markup, html_table, name_parts, tag
 from smarttestudo.report.run_report import Fact
 from smarttestudo.report.styles import colour_sheet, row_sheet
+from smarttestudo.report.table import Table
 
 DATA_ID = "chart-data"
 _FOLDER = files("smarttestudo.report")
@@ -82,6 +84,16 @@ def section(heading: str, *content: Markup, explanation: str = "") -> Markup:
     return tag("section", tag("h2", heading), *lines, *content)
 
 
+def folded(heading: str, *content: Child) -> Markup:
+    """Details under their heading, which a reader opens and paper shows."""
+    return tag("details", tag("summary", heading), *content, class_="folded")
+
+
+def folded_tables(tables: Iterable[Table[Any]]) -> Iterator[Markup]:
+    """Each table under its title."""
+    return (folded(table.title, html_table(table)) for table in tables)
+
+
 def figure(drawing: Markup, *caption: Markup, kind: str = "") -> Markup:
     """A drawing under its caption; scripts make it interactive, as ``kind`` says."""
     heading = [tag("figcaption", *caption)] if caption else []
@@ -94,10 +106,11 @@ def topic_name(topic: str) -> Markup:
     return tag("span", *name_parts(topic), class_="words name")
 
 
-def provenance_section(facts: Sequence[Fact]) -> Markup:
-    """Where all this comes from."""
+def provenance_section(facts: Sequence[Fact], notices: Sequence[str] = ()) -> Markup:
+    """Where all this comes from, and what was lost or odd."""
+    odd = [tag("ul", *(tag("li", notice, class_="words") for notice in notices))] if notices else []
     entries = (tag("div", tag("dt", fact.label), tag("dd", fact.value, class_="words")) for fact in facts)
-    return section("Where this comes from", tag("dl", *entries, class_="facts"))
+    return section("Where this comes from", *odd, tag("dl", *entries, class_="facts"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

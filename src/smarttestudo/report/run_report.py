@@ -117,14 +117,22 @@ MAX_CHARTS = 24
 
 
 def charted_series(report: RunReport) -> list[TopicSeries]:
-    """At most ``MAX_CHARTS`` topics: those with decisions, then those that carry most."""
+    """At most ``MAX_CHARTS`` topics: those with decisions, then those that carry most.
+
+    One whose messages all came within one of several seconds, as /tf_static's, has nothing to show over time.
+    """
     decided = by_topic(report.decisions)
+
+    def varies(series: TopicSeries) -> bool:
+        runs = (series.before.rate_hz, series.after.rate_hz)
+        brings = (len(run) == 1 or sum(point.highest > 0 for point in run) > 1 for run in runs)
+        return series.topic in decided or any(brings)
 
     def rank(series: TopicSeries) -> tuple[bool, float]:
         points = (*series.before.kb_per_s, *series.after.kb_per_s)
         return series.topic not in decided, -sum(point.mean for point in points)
 
-    chosen = {series.topic for series in sorted(report.series, key=rank)[:MAX_CHARTS]}
+    chosen = {series.topic for series in sorted(filter(varies, report.series), key=rank)[:MAX_CHARTS]}
     return [series for series in report.series if series.topic in chosen]
 
 

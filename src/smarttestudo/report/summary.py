@@ -19,8 +19,8 @@ _VOLUMES = ((1000 * BYTES_PER_GB, "TB"), (BYTES_PER_GB, "GB"), (BYTES_PER_MB, "M
 _LENGTHS = ((1.0, 1.0, "m"), (0.01, 100.0, "cm"), (0.0, 1000.0, "mm"))
 
 
-def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | None = None) -> str:
-    """Sentences on the bandwidth of all topics, how often rules changed a rate, and what that cost.
+def summary_sentence(comparison: Comparison, loss: LossReport | None = None) -> str:
+    """The bandwidth of all topics, what that cost, and what fixed rates with the same bytes would have cost.
 
     Of what is not known nothing is said; of a single recording there is only its bandwidth.
     """
@@ -29,11 +29,12 @@ def summary_sentence(comparison: Comparison, decisions: int, loss: LossReport | 
     parts = [bandwidth_text(comparison.before_kb_per_s) if known else "too short to tell a bandwidth"]
     if change is not None:
         parts = [f"{percent_text(change, decimals=0, signed=True)} bandwidth"]
-    if decisions:
-        parts.append(counted(decisions, "decision"))
     error = None if loss is None else position_error(loss)
     if error is not None:
-        parts.append(f"{error.topic} error {length_text(error.received_m)}")
+        beside_m = error.fixed_m or 0.0
+        parts.append(f"{error.topic} error {length_text(error.received_m, beside_m=beside_m)}")
+    if error is not None and error.fixed_m is not None:
+        parts.append(f"at fixed rates {length_text(error.fixed_m, beside_m=error.received_m)}")
     return ", ".join(parts)
 
 

@@ -30,6 +30,7 @@ _BOTTOM = 30.0
 _LINE_DIGITS, _TIME_DIGITS = 5, 9
 # What a stroke on the edge of the plot, and the strip under it, take beyond it.
 _ABOVE, _BELOW = 4.0, 8.0
+_TICK_SPACE = 13.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,6 +52,7 @@ class Frame:
 
 
 SMALL = Frame(css_class="small", top=18.0, height=120.0, times=5)
+STRIP = Frame(css_class="strip-chart", top=16.0, height=48.0, times=10)
 WIDE = Frame(css_class="wide-chart", top=22.0, height=178.0, times=10)
 
 
@@ -145,13 +147,22 @@ def _stretches(chart: TimeChart) -> Iterator[Markup]:
 
 def _value_axis(chart: TimeChart, frame: Frame) -> Iterator[Markup]:
     """The axis of values, and the marks of a gap."""
-    yield from value_axis(
-        ((tick_label(value), _place(chart, frame, value)) for value in chart.ticks), chart.unit
-    )
+    yield from value_axis(((tick_label(value), at) for value, at in _labelled(chart, frame)), chart.unit)
     if chart.gap is not None:
         middle = frame.foot - chart.gap / chart.top * frame.height
         for at in (middle - 2, middle + 2):
             yield tag("line", class_="gap", x1=-5.0, x2=5.0, y1=at + 2, y2=at - 2)
+
+
+def _labelled(chart: TimeChart, frame: Frame) -> Iterator[tuple[float, float]]:
+    """The ticks with their places, as many as there is room for; the last one in any case."""
+    *others, last = ((value, _place(chart, frame, value)) for value in chart.ticks)
+    before = frame.foot + _TICK_SPACE
+    for value, at in others:
+        if before - at >= _TICK_SPACE <= at - last[1]:
+            before = at
+            yield value, at
+    yield last
 
 
 def _place(chart: TimeChart, frame: Frame, value: float) -> float:

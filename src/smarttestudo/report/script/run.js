@@ -198,17 +198,6 @@ function linesReadout(drawing) {
   return () => `${courses.map((course) => number(valueAt(course, time.now))).join(" → ")} ${drawing.dataset.unit}`;
 }
 
-// Says the largest layers' shares at the time under the cursor.
-function layersReadout(drawing) {
-  const lines = [...drawing.querySelectorAll(".layer")].reverse().slice(0, 3);
-  const tops = lines.map((line) => courseOf(line, drawing));
-  return () => {
-    const heights = tops.map((top) => valueAt(top, time.now));
-    const shares = lines.map((line, index) => `${line.dataset.name} ${number(heights[index] - (heights[index - 1] ?? 0))}`);
-    return `${shares.join(", ")} ${drawing.dataset.unit}`;
-  };
-}
-
 // The times and values of a line's points: of an area those of its upper edge, from which it goes back.
 function courseOf(line, drawing) {
   const points = [...line.points];
@@ -335,6 +324,7 @@ function timeBar(told) {
   time.watch(() => {
     if (time.now !== null) slider.value = time.now;
     slider.setAttribute("aria-valuetext", words.textContent = sentence(told));
+    bar.classList.toggle("idle", time.now === null);
     whole.disabled = time.isWhole();
   });
   document.body.append(bar);
@@ -367,7 +357,6 @@ function movesCursor(row) {
 
 // Puts everything in place; what is drawn is there already.
 
-const READOUTS = { rate: linesReadout, total: linesReadout, stack: layersReadout };
 const told = { leading: [], total: null };
 
 for (const figure of document.querySelectorAll("figure[data-chart]")) {
@@ -380,7 +369,7 @@ for (const figure of document.querySelectorAll("figure[data-chart]")) {
     told.leading = leading;
     continue;
   }
-  const words = READOUTS[kind](drawing);
+  const words = linesReadout(drawing);
   figureReadout(figure, words);
   if (kind === "total") told.total = words;
 }
