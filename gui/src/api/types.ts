@@ -1517,7 +1517,7 @@ export interface RobotStartAnswer {
  *
  * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
  * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
- * all topics that lost some within the last minute.
+ * all topics that lost some within the last minute, `recorded` the incidents on its disk since it started.
  */
 export interface RobotSummary {
   node: string;
@@ -1532,6 +1532,7 @@ export interface RobotSummary {
   link: LinkState | null;
   lost: number;
   oldest: OldestTopic | null;
+  recorded: number;
 }
 
 /**

@@ -165,7 +165,7 @@ export function Bar({ timeline, parts, label, title }: BarProps) {
   }, [parts]);
   return (
     <svg
-      class="bar"
+      class="stretches"
       role="img"
       aria-label={label}
       viewBox={`0 0 ${timeline.durationS || 1} 1`}

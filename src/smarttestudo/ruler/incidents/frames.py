@@ -22,6 +22,7 @@ from smarttestudo.ruler.job import Picture, PictureType, job
 
 MAX_FRAME_BYTES = 16_000_000
 _MOST_PIXELS_A_SIDE = 960
+_MOST_DIGITS = 9
 _COMPRESSED, _RAW = "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/Image"
 _BEGINNINGS: Mapping[bytes, PictureType] = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
 _MODES = {"rgb8": ("RGB", "RGB", 3), "bgr8": ("RGB", "BGR", 3), "mono8": ("L", "L", 1)}
@@ -40,7 +41,7 @@ def frame(name: str, topic: str, number: str, folder: ProjectFolder) -> Picture:
     Raises ``RecordingError`` where that is none that a browser shows, and says why.
     """
     stored_incident(folder, name)
-    if not number.isdecimal() or len(number) > len(str(MAX_FRAME_BYTES)):
+    if not (number.isascii() and number.isdecimal() and len(number) <= _MOST_DIGITS):
         raise RecordingError("this is no number of a frame", place=number[:20])
     with open_recording(folder.bag(name)) as recording:
         at = int(number)
