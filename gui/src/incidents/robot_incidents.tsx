@@ -45,8 +45,8 @@ function OnDisks() {
       ))}
       <p class="quiet">
         Over ROS incidents do not come here. Copy the folder that its <code>testudo run --incidents</code> names into
-        this project; or start the robot with <code>--link</code> and this page with <code>testudo ruler --connect</code>,
-        which lists and fetches them here.
+        this project; or start the robot with <code>--link</code> and this page with{" "}
+        <code>testudo ruler --connect</code>, which lists and fetches them here.
       </p>
     </section>
   );
