@@ -69,6 +69,14 @@ export class Api {
     return answer as Routes[R]["answered"];
   }
 
+  /** Why there is nothing to show at an address, in words; empty where there is. */
+  async problemAt(address: string): Promise<string> {
+    return refusalOf(async () => {
+      const response = await send("GET", address, undefined, {});
+      if (!response.ok) throw new ApiError(response.status, (await response.json()).error);
+    });
+  }
+
   project(): Answer<"GET /api/project"> {
     return this.ask("GET /api/project", null);
   }

@@ -164,6 +164,13 @@ export interface CallStatement {
   argument?: boolean | null;
 }
 
+/** The frames of a camera's topic, at most 300: when each arrived, and its number in the incident. */
+export interface CameraFrames {
+  topic: string;
+  times_s: number[];
+  numbers: number[];
+}
+
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
 export interface CheckCondition {
   kind: "check";
@@ -179,6 +186,7 @@ export interface CheckCondition {
 /**
  * The values of a check's property in bins of `bin_s`, and what held when; times are since the start.
  *
+ * Of an incident that is the start of its window, and `duration_s` is as long as that.
  * `least` and `greatest` are those that the check met in each bin, null where it was unknown
  * throughout. Of one that compares with no number, `words` say what it read from when on, null where that
  * was unknown. `check` and `condition` say what each turned to when; all these turn at most 2000 times.
@@ -575,16 +583,13 @@ export interface IncidentAnswer {
 /**
  * Content of an incident over time, in seconds since the window's start; the trigger is at `trigger_s`.
  *
- * Bins are `bin_s` long, the first begins at `first_bin_s`, 0 or less, and one begins at the trigger.
  * `path` is `[seconds, x, y]` in metres where a topic says where the robot was. `notices` say what
  * could not be read.
  */
 export interface IncidentCourse {
   duration_s: number;
   trigger_s: number;
-  bin_s: number;
-  first_bin_s: number;
-  topics: TopicRates[];
+  cameras: CameraFrames[];
   path: [number, number, number][];
   notices: string[];
 }
@@ -1512,7 +1517,7 @@ export interface RobotStartAnswer {
  *
  * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
  * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
- * all topics that lost some within the last minute.
+ * all topics that lost some within the last minute, `recorded` the incidents on its disk since it started.
  */
 export interface RobotSummary {
   node: string;
@@ -1527,6 +1532,7 @@ export interface RobotSummary {
   link: LinkState | null;
   lost: number;
   oldest: OldestTopic | null;
+  recorded: number;
 }
 
 /**
@@ -1837,12 +1843,6 @@ export interface TopicOutcome {
   declared: boolean;
   frames: number | null;
   bounds?: Record<string, BoundRecord[]>;
-}
-
-/** Messages a second of a topic, bin by bin; null where less than half of one is known. */
-export interface TopicRates {
-  topic: string;
-  hz_bins: (number | null)[];
 }
 
 /** Source of a topic's name; the value is its name in JSON, the order that of trust. */

@@ -37,6 +37,7 @@ const WELL: RobotSummary = {
   link: LINK,
   lost: 0,
   oldest: { topic: "/scan", age_ms: 80 },
+  recorded: 0,
 };
 const named = (label: string, changes: Partial<RobotSummary> = {}): RobotSummary => ({
   ...WELL,

@@ -70,7 +70,7 @@ class RobotSummary:
 
     ``is_heard`` is false once it has been silent for longer than it should be; ``heard_s_ago`` is the time
     since its last status. ``topics`` are counted. ``lost`` counts messages that overflowed on the link, of
-    all topics that lost some within the last minute.
+    all topics that lost some within the last minute, ``recorded`` the incidents on its disk since it started.
     """
 
     node: str
@@ -85,6 +85,7 @@ class RobotSummary:
     link: LinkState | None
     lost: int
     oldest: OldestTopic | None
+    recorded: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -160,6 +161,7 @@ def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
         link=status.link,
         lost=sum(_lost(topic.on_link) for topic in status.topics.values()),
         oldest=_oldest(status),
+        recorded=0 if status.incidents is None else status.incidents.recorded,
     )
 
 
