@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Signal } from "@preact/signals";
+import { type Signal, useSignalEffect } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
@@ -77,11 +77,14 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
   useEffect(() => void keptIncidents.follow(), []);
+  const { alarm, returns } = useRobot();
+  useSignalEffect(() => {
+    document.title = alarm.value ? `✕ ${alarm.value} · ADIRF Ruler` : "ADIRF Ruler";
+  });
   /** A file that was dropped where nothing takes one. */
   const [dropped, setDropped] = useState("");
   useDroppedFile((file) => setDropped(TAKE_FILES.has(route.page) ? "" : file.name));
   useReturn(() => Promise.all([refresh(), keptIncidents.follow()]));
-  const { returns } = useRobot();
   if (problem && project === null)
     return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
