@@ -19,6 +19,7 @@ import { ServerGone, useReturn, useRobot, WatchNotice } from "./ui/connection";
 import { useDroppedFile } from "./ui/files";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
+import { Rail } from "./ui/rail";
 import { useWindowEvent } from "./ui/watch";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
@@ -32,6 +33,7 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
   tour: later(async () => (await import("./tour/tour_page")).TourPage),
   robots: later(async () => (await import("./pages/robots")).RobotsPage),
   incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
+  recordings: later(async () => (await import("./pages/recordings")).RecordingsPage),
 };
 
 /** The pages that do something with a file that is dropped on them. */
@@ -93,6 +95,12 @@ export function App({ api }: { api: Api }) {
   const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
   return (
     <>
+      <Button
+        label="Skip to the content"
+        class="skip"
+        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
+      />
+      <Rail {...{ route, project }} />
       <ServerGone />
       <WatchNotice />
       <KeptIncidentsBar keptIncidents={keptIncidents} />
@@ -104,11 +112,6 @@ export function App({ api }: { api: Api }) {
           action={{ label: "Close", act: () => setDropped("") }}
         />
       )}
-      <Button
-        label="Skip to the content"
-        class="skip"
-        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
-      />
       {route.page === "home" ? (
         <HomePage {...props} missing={missing} />
       ) : (

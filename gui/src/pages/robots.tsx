@@ -192,24 +192,22 @@ function RobotRow({ robot, project, robotsAgeS, remove }: RowProps) {
       <th scope="row">
         <a href={href({ page: "robots", name: node })}>{label}</a>
       </th>
-      <td data-label="State" class="state">
-        {health?.message ?? `relays ${topics === 1 ? "1 topic" : `${topics} topics`}`}
+      <td data-label="State">
+        <span class="state">{health?.message ?? `relays ${topics === 1 ? "1 topic" : `${topics} topics`}`}</span>
       </td>
       <td data-label="Last heard">
-        {silentS < NOW_S ? "now" : `${duration(silentS)} ago`}
+        <span>{silentS < NOW_S ? "now" : `${duration(silentS)} ago`}</span>
         {!is_heard && (
           <>
-            , {moment(Date.now() - 1000 * silentS)}{" "}
+            <small>{moment(Date.now() - 1000 * silentS)}</small>
             <NeedsServer changes>
               <Button label="Remove" class="small" aria-label={`Remove ${label}`} onClick={() => remove(node)} />
             </NeedsServer>
           </>
         )}
       </td>
-      <td data-label="Link">{robot.link === null ? "none" : linkWords(robot.link)}</td>
-      <td data-label="Sent">
-        <Sent robot={robot} />
-      </td>
+      <td data-label="Link">{!is_heard ? "–" : robot.link === null ? "none" : linkWords(robot.link)}</td>
+      <td data-label="Sent">{is_heard ? <Sent robot={robot} /> : "–"}</td>
       <td data-label="Rules">
         {rules ? (
           <a href={href({ page: "rules", name: rules, robot: node })}>{originOf(robot, robotsAgeS)}</a>
