@@ -971,12 +971,6 @@ export interface OffRate {
   value?: null;
 }
 
-/** The topic whose last message was the oldest when it arrived at the operator. */
-export interface OldestTopic {
-  topic: string;
-  age_ms: number;
-}
-
 /** An incident by its name in the project. */
 export interface OneIncidentRequest {
   name: string;
@@ -1500,6 +1494,11 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
+/** The robot that is known no more, until it is heard again. */
+export interface RobotRemoved {
+  node: string;
+}
+
 /** A robot by its node. */
 export interface RobotRequest {
   node: string;
@@ -1516,8 +1515,7 @@ export interface RobotStartAnswer {
  * One robot of a list; `label` is what people call it, `health` null where all is well.
  *
  * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
- * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
- * all topics that lost some within the last minute, `recorded` the incidents on its disk since it started.
+ * since its last status. `topics` are counted, `recorded` the incidents on its disk since it started.
  */
 export interface RobotSummary {
   node: string;
@@ -1530,8 +1528,6 @@ export interface RobotSummary {
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
   link: LinkState | null;
-  lost: number;
-  oldest: OldestTopic | null;
   recorded: number;
 }
 
@@ -2208,6 +2204,7 @@ export interface Routes {
   "GET /api/robot-incidents/fetches": { asked: null; answered: FetchesAnswer };
   "POST /api/robot/checks": { asked: RobotChecksRequest; answered: RobotChecksAnswer };
   "POST /api/robot/history": { asked: RobotRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/remove": { asked: RobotRequest; answered: RobotRemoved };
   "POST /api/robot/start": { asked: RobotRequest; answered: RobotStartAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };

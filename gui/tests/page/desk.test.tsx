@@ -58,7 +58,7 @@ test("what is not saved is still there after a look at the first screen", async 
   const ruler = await openRules("clash", CLASH);
   await ruler.button("New rate").click();
   await expect.element(await ruler.tool("Save")).toBeEnabled();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   const entry = page.getByRole("listitem").filter({ hasText: "clash.adirf" });
   await expect.element(entry).toHaveTextContent("not saved");
   await ruler.open("clash.adirf");

@@ -13,7 +13,7 @@ test("the table is still there after a look at the first screen", async () => {
   await link.click();
   const size = page.getByLabelText("Message size (KB) of /odom");
   await size.fill("0.9");
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await expect.element(page.getByRole("listitem").filter({ hasText: "wlan.toml" })).toHaveTextContent("not saved");
   await link.click();
   await expect.element(size).toHaveValue("0.9");
@@ -22,11 +22,11 @@ test("the table is still there after a look at the first screen", async () => {
 });
 
 test("a new table is listed before it is a file", async () => {
-  const ruler = await openPage("empty", { files: { "plain.adirf": RULES, "other.adirf": RULES } });
-  await ruler.button("Configure Topic Parameters").click();
+  await openPage("empty", { files: { "plain.adirf": RULES, "other.adirf": RULES } });
+  await page.getByRole("link", { name: "Topics", exact: true }).click();
   const topic = page.getByLabelText("Topic of row 1");
   await topic.fill("/odom");
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await page.getByRole("link", { name: "profile.toml", exact: true }).click();
   await expect.element(topic).toHaveValue("/odom");
 });

@@ -53,12 +53,12 @@ test("a result stays with its file and says what changed since", async () => {
   await ruler.press(time, "End");
   const replays = ruler.network.count("POST /api/try");
 
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("other.adirf");
   await ruler.use("Try on a recording");
   await expect.element(ruler.button(RUN)).toBeVisible();
   await expect.element(page.getByText("% less sent")).not.toBeInTheDocument();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("monday.adirf");
   await ruler.use("Try on a recording");
   await expect.element(time).toHaveValue("7.96");
@@ -77,7 +77,7 @@ test("a try goes on while another page is looked at", async () => {
   const release = ruler.network.hold("POST /api/try");
   await ruler.button(RUN).click();
   await expect.poll(() => ruler.network.count("POST /api/try")).toBe(1);
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("far.adirf");
   await ruler.use("Try on a recording");
   release();

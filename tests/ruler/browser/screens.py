@@ -129,7 +129,7 @@ def at_trial(ruler: RulerPage) -> None:
 
 
 def at_incidents(ruler: RulerPage) -> None:
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     ruler.page.get_by_role("table", name="Incidents").wait_for()
 
 
@@ -217,7 +217,7 @@ def at_recording(ruler: RulerPage) -> None:
 
 
 def at_robots(ruler: RulerPage) -> None:
-    ruler.button("Watch Robots").click()
+    ruler.page.get_by_role("link", name="Robots").click()
     ruler.page.get_by_role("heading", name="Robots", exact=True).wait_for()
 
 

@@ -27,7 +27,7 @@ def project(tmp_path: Path) -> Path:
 
 def _listed(ruler: RulerPage) -> Locator:
     """The rows of all incidents."""
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     return ruler.page.get_by_role("table", name="Incidents").get_by_role("row")
 
 
@@ -168,7 +168,7 @@ def test_a_try_shows_what_would_have_been_recorded_and_keeps_it(ruler: RulerPage
     # It goes on in the server, and is told of wherever one is.
     ruler.page.reload()
     expect(bar).to_contain_text("near miss at 5.0 s of monday")
-    ruler.page.get_by_role("link", name="Home").click()
+    ruler.page.get_by_role("link", name="Rules", exact=True).click()
     bar.get_by_role("link", name=NEAR_MISS).click()
     expect(bar).to_have_count(0)
     expect(ruler.page.get_by_role("main")).to_contain_text("/odom pose_y was 5.04 m")
@@ -188,7 +188,7 @@ def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, p
         for name in ("near miss", "all of it"):
             kept.get_by_role("button", name=f"Keep it: {name}").click()
         first()
-        ruler.page.get_by_role("link", name="Home").click()
+        ruler.page.get_by_role("link", name="Rules", exact=True).click()
         bar.get_by_role("button", name="Cancel keeping all of it").click()
         expect(bar.get_by_text("all of it")).to_have_count(0)
     expect(bar.get_by_role("link", name=NEAR_MISS)).to_be_visible()

@@ -86,7 +86,7 @@ def page(browser: Browser, robot: SmallRobot, tmp_path: Path) -> Iterator[RulerP
     context = browser.new_context(viewport={"width": DESK[0], "height": DESK[1]})
     page = RulerPage(context.new_page(), url)
     page.home()
-    page.page.get_by_role("button", name="Watch Robots").click()
+    page.page.get_by_role("link", name="Robots").click()
     yield page
     context.close()
     assert page.complaints == []

@@ -57,11 +57,11 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
     assert (project / "patrol.adirf").read_text() == RULES
     assert violations(page) == []
 
-    page.get_by_role("link", name="Home").click()
+    page.get_by_role("link", name="Rules", exact=True).click()
     page.get_by_role("link", name="patrol.toml", exact=True).click()
     _expect_off(ruler.button("Measure on the robot"))
-    page.get_by_role("link", name="Home").click()
-    ruler.button("Watch Robots").click()
+    page.get_by_role("link", name="Rules", exact=True).click()
+    ruler.page.get_by_role("link", name="Robots").click()
     _expect_notice(ruler)
 
 
