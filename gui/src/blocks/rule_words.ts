@@ -37,6 +37,15 @@ function rateWords({ rate, margin }: SetStatement): string {
   return margin ? `${words(rate)} … ${words(margin.to)} by ${margin.topic} ${margin.property}` : words(rate);
 }
 
+/** What can be added beside other statements. */
+export type NewStatement = "rule" | "rate" | "floor" | "bound";
+export const NEW_STATEMENTS: Readonly<Record<NewStatement, string>> = {
+  rate: "New rate",
+  rule: "New rule",
+  floor: "New floor",
+  bound: "New bound",
+};
+
 /** What a rule is called, or when it holds. */
 export function ruleName({ name, condition }: RuleStatement): string {
   if (name) return name;

@@ -70,6 +70,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const results = useRef<HTMLElement>(null);
   const openTool = (next: Tool) => {
     tool.value = next;
+    editor.showAllFindings();
     if (full.part.peek() === "map") full.leave();
     showOnNarrow(() => results.current);
   };

@@ -7,6 +7,7 @@ import { counted, readable } from "../ui/numbers";
 import type { Drafts } from "./drafts";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { diskChangeOf, OpenFile } from "./open_file";
+import { Placeholders, worstFirst } from "./placeholders";
 import { Folds, sectionsOf, statementsIn, VocabularyCache } from "./statements";
 
 /** The whole text is read and checked after each pause in typing: with more blocks, somebody waits for that. */
@@ -28,8 +29,15 @@ export class RuleEditor extends OpenFile {
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   /** Whether the server has read the rules with their profile: without it, levels would be errors that they are not. */
   readonly isChecked = signal(false);
-  readonly findings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
-  readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
+  private readonly allFindings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
+  readonly errors = computed(() => this.allFindings.value.filter((finding) => finding.severity === "error"));
+  /** What was put there to be changed, until somebody changes it or uses the rules. */
+  private readonly placeholders = signal<Placeholders | null>(null);
+  /** What the checker says, the worst first: nothing of what placeholders bring. */
+  readonly findings = computed(() => {
+    const placeholders = this.placeholders.value;
+    return worstFirst(this.allFindings.value.filter((each) => !placeholders?.bring(each, this.byId.value)));
+  });
   /** What to know of a text that is too long to be edited here with ease; empty where it is not. */
   readonly tooLong = computed(() => {
     const { length } = this.statements.value;
@@ -142,6 +150,8 @@ export class RuleEditor extends OpenFile {
   edit(
     edits: (document: RuleDocument) => Edit[],
     refused: (why: string) => void = (why) => (this.message.value = why),
+    /** Whether what comes is to be changed, as a new rule is. */
+    isPlaceholder = () => false,
   ): Promise<void> {
     return this.inTurn(async () => {
       // Edits name statements by what the server read last, which must be this text; where it cannot, that was told.
@@ -152,11 +162,22 @@ export class RuleEditor extends OpenFile {
       const why = await refusalOf(async () => {
         const { text, document } = await this.api.ask("POST /api/edit", { ...this.rules, edits: wanted });
         if (text === before) return;
-        if (this.text.value === before) this.replaceText(text, document);
-        else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
+        if (this.text.value === before) {
+          const [known, found, earlier] = [this.statements.value, this.findings.value, this.placeholders.value];
+          batch(() => {
+            this.replaceText(text, document);
+            if (isPlaceholder())
+              this.placeholders.value = new Placeholders(known, found, statementsIn(document), earlier);
+          });
+        } else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
       });
       if (why !== "") refused(why);
     });
+  }
+
+  /** Shows what placeholders bring, too, as before the rules are used. */
+  showAllFindings(): void {
+    this.placeholders.value = null;
   }
 
   /** One-click fix of a finding, which the text must still have once it was read again. */

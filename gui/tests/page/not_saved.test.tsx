@@ -42,7 +42,7 @@ test("a save names the blocks that it leaves out", async () => {
   const { ruler } = await openRules();
   await page.getByRole("treeitem", { name: "Checks" }).click();
   const listed = page.getByRole("listbox", { name: "Checks blocks" });
-  await ruler.drag(listed.getByRole("option").first(), page.getByRole("treeitem", { name: "Rates" }), 400, 200);
+  await ruler.drag(listed.getByRole("option").first(), page.getByRole("treeitem", { name: "Actions" }), 400, 200);
   await ruler.button("New rate").click();
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /");
   await ruler.save();
