@@ -17,7 +17,7 @@ type UnitOf = (check: Blockly.Block) => string;
 
 /** What a badge says, and in which colour. */
 interface Badge {
-  look: Truth;
+  look: Truth | "other";
   words: string;
 }
 interface Drawn extends Badge {
@@ -32,9 +32,11 @@ interface Drawn extends Badge {
 export class Badges {
   private readonly drawn = new Map<Blockly.BlockSvg, Drawn>();
 
-  /** Shows exactly the `states`, by rule block, and touches only what differs from before. */
-  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: UnitOf): void {
-    const wanted = new Map<Blockly.BlockSvg, Badge>();
+  /** Shows exactly the `states`, by rule block, and which differ from the robot's; touches only what differs from before. */
+  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, differing: readonly Blockly.BlockSvg[], unitOf: UnitOf): void {
+    const wanted = new Map<Blockly.BlockSvg, Badge>(
+      differing.map((block) => [block, { look: "other", words: DIFFERS }]),
+    );
     for (const [rule, state] of states) {
       // A folded rule has no checks to stand beside.
       const badges = rule.type === FOLDED ? new Map() : conditionBadges(rule, state, unitOf);
@@ -105,6 +107,7 @@ function conditionBadges(rule: Blockly.Block, state: RuleState, unitOf: UnitOf):
 
 const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
 const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
+const DIFFERS = "● differs from the robot";
 const SIGNS: Record<Truth, string> = { true: "✓", false: "✗", unknown: "?" };
 const IN_MS_BELOW_S = 1;
 const IN_MIN_FROM_S = 120;

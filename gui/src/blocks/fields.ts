@@ -5,6 +5,7 @@ import { effect } from "@preact/signals";
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
 import { Picker, type PickerChoice } from "../ui/picker";
+import { isForFingers } from "../ui/watch";
 import { ComparedField, type DrawValues, NumberField } from "./number_field";
 import { openNext, type QuietField, takeKey } from "./open_field";
 
@@ -92,7 +93,7 @@ class PictureField extends Blockly.FieldImage {
     act: Act,
     private readonly isQuiet: boolean,
   ) {
-    const size = matchMedia("(pointer: coarse)").matches ? SIZE_FOR_FINGERS : SIZE;
+    const size = isForFingers() ? SIZE_FOR_FINGERS : SIZE;
     super(src, size, size, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg, field));
   }
 

@@ -6,9 +6,10 @@ import { DOCUMENTATION_TAB, findingHref } from "../documentation";
 import { checksOf } from "../state/statements";
 import { sentence } from "../ui/numbers";
 import { ACTION_TYPES } from "./action_model";
+import { withoutLines } from "./rule_words";
 import type { Slot } from "./slots";
 
-export const SEVERITY_WORDS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
+const SEVERITY_WORDS: Record<Severity, string> = { error: "Error", warning: "Warning", info: "Note" };
 const ORDER: readonly Severity[] = ["error", "warning", "info"];
 /** Told apart by shape, too: an octagon, a triangle, a circle; and the sign in it. */
 const SHAPES: Record<Severity, [shape: string, sign: string]> = {
@@ -22,8 +23,12 @@ const WIDTH_PX = 420;
 /** From the top of a block to its mark, and from the left edge of the column. */
 const [DOWN, LEFT] = [11, 30];
 
-/** What a mark says: a finding, or why a block is not in the text yet. */
-type Said = PlacedFinding | { missing: string };
+/** What a mark says, also of what is no finding: why a block is not in the text yet. */
+interface Said {
+  words: string;
+  severity: Severity;
+  finding: PlacedFinding | null;
+}
 type Mend = (finding: PlacedFinding) => void;
 
 /** A mark beside a block, in the gutter of the column; its bubble has the words and the ways to mend. */
@@ -48,12 +53,11 @@ class FindingMark extends Blockly.icons.Icon {
   }
 
   protected override getAriaLabel(): string {
-    return `${SEVERITY_WORDS[this.severity]}: ${this.said.map(wordsOf).join(" ")}`;
+    return `${SEVERITY_WORDS[this.severity]}: ${this.said.map(({ words }) => words).join(" ")}`;
   }
 
   private get severity(): Severity {
-    const found = this.said.map((each) => ("missing" in each ? "warning" : each.severity));
-    return ORDER.find((each) => found.includes(each)) ?? "info";
+    return ORDER.find((each) => this.said.some(({ severity }) => severity === each)) ?? "info";
   }
 
   /** Shows what was found, and nothing else than before where that is the same. */
@@ -122,26 +126,25 @@ class FindingMark extends Blockly.icons.Icon {
     bubble?.remove();
   }
 
-  private entry(said: Said): HTMLElement {
+  private entry({ words, severity, finding }: Said): HTMLElement {
     const entry = document.createElement("p");
-    entry.append(wordsOf(said), " ");
-    if ("missing" in said) return entry;
     const word = document.createElement("strong");
-    word.textContent = `${SEVERITY_WORDS[said.severity]}. `;
-    entry.prepend(word);
-    if (said.fix) {
+    word.textContent = `${SEVERITY_WORDS[severity]}. `;
+    entry.append(word, words, " ");
+    if (finding === null) return entry;
+    if (finding.fix) {
       const button = document.createElement("button");
       button.type = "button";
-      button.textContent = said.fix.title;
+      button.textContent = finding.fix.title;
       button.className = "small fix";
       button.addEventListener("click", () => {
         this.close();
-        this.mend(said);
+        this.mend(finding);
       });
       entry.append(button, " ");
     }
     const why = document.createElement("a");
-    Object.assign(why, { textContent: "Why?", href: findingHref(said.code), target: DOCUMENTATION_TAB });
+    Object.assign(why, { textContent: "Why?", href: findingHref(finding.code), target: DOCUMENTATION_TAB });
     entry.append(why);
     return entry;
   }
@@ -152,12 +155,9 @@ class FindingMark extends Blockly.icons.Icon {
   }
 }
 
-function wordsOf(said: Said): string {
-  if ("missing" in said) return `Not in the text yet. ${said.missing}.`;
-  return [said.message, said.hint]
-    .filter(Boolean)
-    .map((each) => `${sentence(each)}.`)
-    .join(" ");
+function saidOf(finding: PlacedFinding, all: readonly Statement[]): Said {
+  const said = [finding.message, finding.hint].filter(Boolean).map((each) => `${sentence(withoutLines(each, all))}.`);
+  return { words: said.join(" "), severity: finding.severity, finding };
 }
 
 /** Blocks as zelos draws them, but that a mark takes no room in them: it moves nothing when it comes. */
@@ -188,12 +188,13 @@ export class FindingMarks {
 
   constructor(private readonly mend: Mend) {}
 
-  /** Shows what findings say beside the very blocks that they are about, and `missing` where a block says nothing yet. */
+  /** Shows what findings on the statements `all` say beside their very blocks, and `missing` where a block says nothing yet. */
   show(
     slots: readonly Slot[],
     statements: readonly Statement[],
     findings: readonly PlacedFinding[],
     missing: ReadonlyMap<Blockly.BlockSvg, string>,
+    all: readonly Statement[],
   ): void {
     const next = new Map<Blockly.BlockSvg, Said[]>();
     const add = (block: Blockly.BlockSvg, said: Said) => next.set(block, [...(next.get(block) ?? []), said]);
@@ -203,10 +204,11 @@ export class FindingMarks {
         const index = numbers.get(id ?? "");
         const [slot, statement] = index === undefined ? [] : [slots[index], statements[index]];
         if (!slot || !statement || slot.block.isDisposed()) continue;
-        add(id === finding.statement ? blockAt(slot.block, statement, finding) : slot.block, finding);
+        add(id === finding.statement ? blockAt(slot.block, statement, finding) : slot.block, saidOf(finding, all));
       }
     }
-    for (const [block, why] of missing) add(block, { missing: why });
+    for (const [block, why] of missing)
+      add(block, { words: `Not in the text yet. ${why}.`, severity: "warning", finding: null });
     for (const block of this.shown.keys()) {
       if (next.has(block) && !block.isDisposed()) continue;
       if (!block.isDisposed()) takeFrom(block);

@@ -4,7 +4,7 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
 import type { PickerChoice } from "../ui/picker";
-import { isNarrow, styleOf } from "../ui/watch";
+import { isForFingers, isNarrow, styleOf } from "../ui/watch";
 import { ACTION_TYPES } from "./action_model";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
@@ -59,7 +59,7 @@ export function newWorkspace(
         controls: !isBelow,
         wheel: false,
         pinch: true,
-        startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
+        startScale: isForFingers() ? SCALE_FOR_FINGERS : SCALE,
         minScale: 0.3,
         maxScale: 2,
       },

@@ -75,7 +75,7 @@ export class RuleWorkspace {
   private readonly marks: FindingMarks;
   private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
-  private states: ReadonlyMap<string, RuleState> = new Map();
+  private live: [ReadonlyMap<string, RuleState>, ReadonlySet<string>] = [new Map(), new Set()];
   /** What blocks said when somebody left them: nothing reads or changes a block after that. */
   private left: Standing | null = null;
 
@@ -95,7 +95,7 @@ export class RuleWorkspace {
     this.column = new Column(this.workspace);
     this.drawn = new DrawnPart(this.workspace, this.column, owner, () => {
       this.mark(this.findings);
-      this.showLive(this.states);
+      this.showLive(...this.live);
     });
     this.marks = new FindingMarks((finding) => owner.mend(finding));
     this.workspace.addChangeListener((event) => this.listen(event));
@@ -136,15 +136,18 @@ export class RuleWorkspace {
     return !this.left && this.drawn.slots.some((slot) => (printOf(slot) ?? slot.print) !== slot.print);
   }
 
-  /** Shows beside rules and checks what a robot says of them, by statement id. */
-  showLive(states: ReadonlyMap<string, RuleState>): void {
-    this.states = states;
+  /** Shows beside rules and checks what a robot says of them, by statement id, and which rules it has otherwise. */
+  showLive(states: ReadonlyMap<string, RuleState>, differing: ReadonlySet<string>): void {
+    this.live = [states, differing];
     const { suggestions } = this.owner;
     const known = this.drawn.slots.flatMap(({ block, id }) => {
       const state = block.isDisposed() ? undefined : states.get(id);
       return state ? [[block, state] as const] : [];
     });
-    this.badges.show(new Map(known), (check) =>
+    const others = this.drawn.slots.flatMap(({ block, id }) =>
+      block.isDisposed() || !differing.has(id) ? [] : [block],
+    );
+    this.badges.show(new Map(known), others, (check) =>
       suggestions.unit(String(check.getFieldValue("TOPIC")), String(check.getFieldValue("PROPERTY"))),
     );
   }
@@ -152,13 +155,13 @@ export class RuleWorkspace {
   /** Puts findings on the blocks of their statements. */
   mark(findings: readonly PlacedFinding[]): void {
     this.findings = findings;
-    const { slots, statements } = this.drawn;
+    const { slots, statements, all } = this.drawn;
     const missing = new Map<Blockly.BlockSvg, string>();
     for (const block of this.column.order) {
       const said = block.type === "adirf_raw" ? null : toStatement(block);
       if (said !== null && "missing" in said) missing.set(block, said.missing);
     }
-    quietly(() => this.marks.show(slots, statements, findings, missing));
+    quietly(() => this.marks.show(slots, statements, findings, missing, all));
     this.owner.leftOut(missing.size);
   }
 

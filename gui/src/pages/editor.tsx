@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, useSignal } from "@preact/signals";
+import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
+import type { FoundFile } from "../api/types";
 import { BlocksPane, recordingOfRules } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
@@ -39,6 +40,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const files = useRef(project.files);
   files.current = project.files;
   const recording = useMemo(() => recordingOfRules(editor, tries, () => files.current), []);
+  useEffect(() => followSurroundings(editor, recording), []);
   const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
@@ -159,6 +161,17 @@ function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }
     { value: "robot", label: "Robot" },
   ];
   return <Tabs label="Results" choices={choices} chosen={tool} />;
+}
+
+/** Looks at what is beside the text whenever it was read without an error. */
+function followSurroundings(editor: RuleEditor, recording: () => FoundFile | undefined): () => void {
+  editor.surroundings.recordedTopics = async () => {
+    const bag = recording()?.name;
+    return bag === undefined ? [] : (await editor.api.ask("POST /api/recording", { bag })).topics;
+  };
+  return effect(() => {
+    if (editor.isChecked.value && editor.document.value && editor.errors.value.length === 0) editor.surroundings.soon();
+  });
 }
 
 type Opened = "open" | { problem: string };

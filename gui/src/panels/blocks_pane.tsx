@@ -183,7 +183,7 @@ function openWorkspace(
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
-    effect(() => workspace.showLive(robotRules.states.value)),
+    effect(() => workspace.showLive(robotRules.states.value, robotRules.differing.value)),
     effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null || isServerGone.value)),
     effect(() => {
       const spot = editor.spot.value;
