@@ -7,7 +7,7 @@ import type { FoundFile } from "../api/types";
 import { BlocksPane, recordingOfRules } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
-import { OptimizePanel } from "../panels/optimize_panel";
+import { BudgetBar, followRates, type Optimized, OptimizePanel } from "../panels/optimize_panel";
 import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/rule_push_steps";
@@ -48,6 +48,8 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   useEffect(() => full.follow(), []);
   /** Whether the rates are to be downloaded as soon as they are computed. */
   const wantsRates = useSignal(false);
+  const rates = useSignal<Optimized | null>(null);
+  useEffect(() => followRates(editor, rates), []);
   // Panes have the room that somebody left them for what they show, else as much as that needs.
   const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
   const isMap = side.value === "map";
@@ -96,7 +98,9 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules}>
+            <BudgetBar {...{ editor, rates }} onOpen={() => openTool("optimize")} />
+          </BlocksPane>
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -120,7 +124,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
             {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}
             {tool.value === "optimize" && (
               <NeedsServer>
-                <OptimizePanel {...{ editor, project, repair, wantsRates }} />
+                <OptimizePanel {...{ editor, project, repair, rates, wantsRates }} />
               </NeedsServer>
             )}
             {tool.value === "robot" && (

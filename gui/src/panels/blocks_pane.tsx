@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { FoundFile, RuleDocument } from "../api/types";
 import { toCondition } from "../blocks/model";
@@ -23,7 +24,7 @@ import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane(props: Omit<Shown, "isServerGone">) {
+export function BlocksPane({ children, ...props }: Omit<Shown, "isServerGone"> & { children: ComponentChildren }) {
   const { editor, robotRules } = props;
   const workspace = useRef<RuleWorkspace | null>(null);
   const isBelow = useSignal(isNarrow());
@@ -63,6 +64,7 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
             onClick={() => (hasOutline.value = !hasOutline.value)}
           />
         )}
+        {children}
         {isBehind && (
           <p class="pane-note" role="status">
             The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.

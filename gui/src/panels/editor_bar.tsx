@@ -6,8 +6,10 @@ import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
+import { FormDialog } from "../ui/dialog";
 import { Header, MenuItem } from "../ui/header";
 import { ShareDialogs, type Sharing } from "./sharing";
+import { VersionsPane } from "./versions_pane";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";
@@ -26,6 +28,8 @@ interface Props {
 export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
+  const hasVersions = useSignal(false);
+  const closeVersions = () => (hasVersions.value = false);
   const next = useNextStep(editor, savesByItself, robotRules);
   const send = () => {
     onTool("robot");
@@ -38,6 +42,7 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
         <MenuItem label="Format" icon="format" act={() => void editor.format()} />
         <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
         <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
+        <MenuItem label="Versions" icon="versions" act={() => (hasVersions.value = true)} />
       </NeedsServer>
       <hr />
     </>
@@ -80,6 +85,11 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
         </div>
       </Header>
       <ShareDialogs {...{ editor, project, sharing }} />
+      {hasVersions.value && (
+        <FormDialog title="Versions" submit="Close" isNotice isWide onSubmit={closeVersions} onClose={closeVersions}>
+          <VersionsPane editor={editor} />
+        </FormDialog>
+      )}
     </>
   );
 }

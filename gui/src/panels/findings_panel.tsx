@@ -92,7 +92,7 @@ function FindingRow(props: { editor: RuleEditor; repair: ProfileRepair; finding:
   const profile = editor.profile.value?.name;
   const own = editor.statement(finding.statement);
   const related = finding.related.map((id) => editor.statement(id)).filter((each) => each !== undefined);
-  const title = (own && statementTitle(own)) ?? "Top of the text";
+  const title = (own && statementTitle(own)) ?? "All rules";
   const words = (said: string) => sentence(withoutLines(said, editor.statements.value));
   const show = (offset = 0, end_offset = 0) => (editor.spot.value = { offset, end_offset, from: "findings" });
   return (

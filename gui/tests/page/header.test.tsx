@@ -61,7 +61,7 @@ test("the bar has five things, of which none changes, and a menu", async () => {
   const entries = bar.getByRole("menu", { name: "Menu" }).getByRole("menuitem");
   await ruler.shown(entries.first());
   const names = entries.elements().map((each) => (each as HTMLElement).innerText.split("\n")[0]);
-  expect(names).toEqual(["Format", "Import", "Export", "Documentation", "Keys"]);
+  expect(names).toEqual(["Format", "Import", "Export", "Versions", "Documentation", "Keys"]);
   for (const [name, keys] of [
     ["Save", "Ctrl+S"],
     ["Undo", "Ctrl+Z"],

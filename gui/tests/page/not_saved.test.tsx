@@ -50,17 +50,6 @@ test("a save names the blocks that it leaves out", async () => {
   await expect.element(said).toBeVisible();
 });
 
-test("the text is called saved only where it is", async () => {
-  const { ruler } = await openRules();
-  const side = page.getByText("the text is saved");
-  await expect.element(side).toBeVisible();
-  await ruler.button("New rate").click();
-  await expect.element(page.getByText("the text is not saved yet")).toBeVisible();
-  await expect.element(side).not.toBeInTheDocument();
-  await ruler.save();
-  await expect.element(side).toBeVisible();
-});
-
 test("a change of the blocks is not called saved before it is in the text", async () => {
   const { ruler } = await openRules();
   await expect.element(headerNote()).toHaveTextContent(/^saved$/);

@@ -42,6 +42,7 @@ test.each(["GET /api/file", "POST /api/profile/for"])("rules are compared only o
 
 test("an edit leaves the states on the rules that the robot has, and marks those that it has otherwise", async () => {
   const rule = (id: string, key: string, value: number) => ({
+    // biome-ignore lint/suspicious/noThenProperty: as the server writes it
     ...{ kind: "rule", id, key, name: id, label: id, priority: 0, is_disabled: false, then: [], else: [], line: 1 },
     condition: { kind: "check", topic: "/odom", property: "pose_x", op: ">", value },
   });

@@ -136,7 +136,7 @@ def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, 
     ).to_be_attached()
     page.forgive("Failed to fetch dynamically imported module")
     server.stop()
-    page.page.get_by_role("tab", name="Versions").click()
+    page.tool("Versions").click()
     versions = page.page.locator(".versions-pane")
     expect(versions).to_contain_text("The Ruler's server does not answer.")
     server.start()

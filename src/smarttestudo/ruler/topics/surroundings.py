@@ -7,13 +7,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from msgspec import Struct
+from msgspec import Struct, structs
 
 from smarttestudo.checks import CheckContext
 from smarttestudo.checks.rule_model import read_rule_model
 from smarttestudo.checks.topics import absent_from_bag
 from smarttestudo.domain.finding import Finding, Severity
 from smarttestudo.domain.names import resolve_topic
+from smarttestudo.language.syntax import Block
 from smarttestudo.ruler.job import job
 from smarttestudo.ruler.rules.document import CheckedText, CheckedTexts, Draft, PlacedFinding, placed_findings
 from smarttestudo.ruler.topics.vocabulary import RobotTopics
@@ -45,8 +46,16 @@ def surroundings(
     if checked.has_errors:
         return SurroundingsAnswer(findings=())
     known = {*robot_topics(), *request.recorded_topics}
-    findings = [*_unknown_topics(request, checked, known), *_on_budget(request, checked)]
-    return SurroundingsAnswer(findings=placed_findings(checked.document, findings))
+    document = checked.document
+    rules = {one.id for one in document.entries if isinstance(one.statement, Block)}
+    on_budget = placed_findings(document, _on_budget(request, checked))
+    return SurroundingsAnswer(
+        findings=(
+            *placed_findings(document, _unknown_topics(request, checked, known)),
+            # What no rule is to blame for stands at the first statement, which is not to blame either.
+            *(one if one.statement in rules else structs.replace(one, statement=None) for one in on_budget),
+        )
+    )
 
 
 def _unknown_topics(draft: Draft, checked: CheckedText, known: set[str]) -> Iterator[Finding]:
