@@ -1240,7 +1240,8 @@ export interface PushAnswer {
  * Changes that a push would make, in sentences; `same` if the rules mean the same to the robot.
  *
  * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
- * is its SHA-256. `robot_hash` is that of what the robot follows now.
+ * is its SHA-256. `robot_hash` is that of what the robot follows now. `differing_rules` are the numbers,
+ * from 0 in the order of the text, of the rules that it does not follow as they are.
  */
 export interface PushPreview {
   differences: string[];
@@ -1248,6 +1249,7 @@ export interface PushPreview {
   hash: string;
   robot_hash: string;
   text_to_send: string;
+  differing_rules: number[];
 }
 
 /** Rules for a robot; those with errors are refused (409 with findings). */
@@ -1753,6 +1755,20 @@ export interface Substitute {
   replacement: string;
 }
 
+/** More findings on a draft; none for one with errors. */
+export interface SurroundingsAnswer {
+  findings: PlacedFinding[];
+}
+
+/** A draft; `recorded_topics` are those of the recording that goes with it. */
+export interface SurroundingsRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  recorded_topics?: string[];
+}
+
 /** One text. */
 export interface TextAnswer {
   text: string;
@@ -2206,6 +2222,7 @@ export interface Routes {
   "POST /api/robot/history": { asked: RobotRequest; answered: RobotHistoryAnswer };
   "POST /api/robot/remove": { asked: RobotRequest; answered: RobotRemoved };
   "POST /api/robot/start": { asked: RobotRequest; answered: RobotStartAnswer };
+  "POST /api/surroundings": { asked: SurroundingsRequest; answered: SurroundingsAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };
   "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };

@@ -6,8 +6,10 @@ import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
+import { FormDialog } from "../ui/dialog";
 import { Header, MenuItem } from "../ui/header";
 import { ShareDialogs, type Sharing } from "./sharing";
+import { VersionsPane } from "./versions_pane";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";
@@ -26,8 +28,9 @@ interface Props {
 export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
+  const hasVersions = useSignal(false);
+  const closeVersions = () => (hasVersions.value = false);
   const next = useNextStep(editor, savesByItself, robotRules);
-  const hasRobot = useRobot().connection.value.kind !== "none";
   const send = () => {
     onTool("robot");
     void rulePush.ask();
@@ -39,13 +42,7 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
         <MenuItem label="Format" icon="format" act={() => void editor.format()} />
         <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
         <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
-      </NeedsServer>
-      <NeedsServer changes={!hasRobot}>
-        {hasRobot ? (
-          <MenuItem label={DOWNLOAD} icon="download" act={onDownload} />
-        ) : (
-          <MenuItem label={SEND} icon="send" act={send} />
-        )}
+        <MenuItem label="Versions" icon="versions" act={() => (hasVersions.value = true)} />
       </NeedsServer>
       <hr />
     </>
@@ -73,28 +70,39 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
           <ToolButton label="Try on a recording" short="Try" icon="try" act={() => onTool("try")} />
         </div>
         <div class="tool-group" role="group" aria-label="Send or download">
-          <NeedsServer changes={hasRobot}>
-            {hasRobot ? (
-              <ToolButton label={SEND} short="Send" icon="send" isNext={next === "ship"} act={send} />
-            ) : (
-              <ToolButton label={DOWNLOAD} short="Download" icon="download" isNext={next === "ship"} act={onDownload} />
-            )}
+          <NeedsServer changes>
+            <ToolButton label={SEND} short="Send" icon="send" isNext={next === "send"} act={send} />
+          </NeedsServer>
+          <NeedsServer>
+            <ToolButton
+              label={DOWNLOAD}
+              short="Download"
+              icon="download"
+              isNext={next === "download"}
+              act={onDownload}
+            />
           </NeedsServer>
         </div>
       </Header>
       <ShareDialogs {...{ editor, project, sharing }} />
+      {hasVersions.value && (
+        <FormDialog title="Versions" submit="Close" isNotice isWide onSubmit={closeVersions} onClose={closeVersions}>
+          <VersionsPane editor={editor} />
+        </FormDialog>
+      )}
     </>
   );
 }
 
-type NextStep = "save" | "ship" | null;
+type NextStep = "save" | "send" | "download" | null;
 
-/** What is to be done next, as the one main button says; null while there is nothing to be done. */
+/** What is to be done next, which alone has colour: each button stays what it is. Null while there is nothing to be done. */
 function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
   if (!editor.isSaved.value && !savesByItself) return "save";
   if (editor.isEmpty.value) return null;
-  return kind === "none" || robotRules.comparison.value.kind === "other" ? "ship" : null;
+  if (kind === "none") return "download";
+  return robotRules.comparison.value.kind === "other" ? "send" : null;
 }
 
 /** Whether the file holds what is open, and why it may not. */

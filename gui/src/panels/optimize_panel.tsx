@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { effect, type Signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
 import { href } from "../route";
@@ -23,19 +23,51 @@ interface Props {
   editor: RuleEditor;
   project: Project;
   repair: ProfileRepair;
+  rates: Signal<Optimized | null>;
   /** Whether the rates are to be downloaded as soon as they are computed. */
   wantsRates: Signal<boolean>;
 }
 
-/** Quality levels as rates within the budget, computed anew while the rules change. */
-export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
-  const [result, setResult] = useState<Optimized | null>(null);
+/** Computes rates anew whenever the rules stand still for a moment, until the returned function is called. */
+export function followRates(editor: RuleEditor, rates: Signal<Optimized | null>): () => void {
+  let timer: number | undefined;
+  const stop = effect(() => {
+    void editor.text.value;
+    window.clearTimeout(timer);
+    if (editor.profile.value === null) rates.value = null;
+    else timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
+  });
+  return () => {
+    stop();
+    window.clearTimeout(timer);
+  };
+}
+
+/** How much of the budget the rules take where they take most, and the way to what would make them fit. */
+export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rates"> & { onOpen: () => void }) {
+  const result = rates.value;
+  if (editor.profile.value === null || result === null || "refused" in result) return null;
+  const [most] = [...result.situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
+  if (most === undefined) return null;
+  const where = most.kind === "worst" ? "worst case" : most.title;
+  const share = most.kb_per_s / result.budget_kb_per_s;
+  return (
+    <button
+      type="button"
+      class={result.feasible && share <= 1 ? "budget-bar" : "budget-bar over"}
+      title="What each topic takes, and what would make it fit"
+      style={{ "--share": `${Math.min(100 * share, 100)}%` }}
+      onClick={onOpen}
+    >
+      {where}: {kilobytes(most.kb_per_s)} of {kilobytes(result.budget_kb_per_s)} KB/s
+    </button>
+  );
+}
+
+/** Quality levels as rates within the budget. */
+export function OptimizePanel({ editor, project, repair, rates, wantsRates }: Props) {
+  const result = rates.value;
   const [text, profile] = [editor.text.value, editor.profile.value];
-  useEffect(() => {
-    if (profile === null) return;
-    const timer = setTimeout(() => void optimized(editor, setResult), AFTER_MS);
-    return () => clearTimeout(timer);
-  }, [text, profile]);
   const isAnswered =
     editor.profileChoice.isKnown.value &&
     (profile === null || (result?.text === text && result.profile_text === profile.text));
@@ -71,7 +103,7 @@ export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} profiles={repair} text={result.text} />
       ))}
       <div class="situations">
-        {result.situations.map((situation) => (
+        {toldOnce(result.situations).map((situation) => (
           <SituationBars
             key={`${situation.kind} ${situation.title}`}
             situation={situation}
@@ -81,6 +113,13 @@ export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
       </div>
     </div>
   );
+}
+
+/** The situations without a worst one that is that of the only rule. */
+function toldOnce(situations: readonly SituationLoad[]): readonly SituationLoad[] {
+  const rules = situations.filter(({ kind }) => kind === "rule");
+  const isRule = (worst: SituationLoad) => rules.length === 1 && worst.rules[0] === rules[0]?.rules[0];
+  return situations.filter((each) => each.kind !== "worst" || !isRule(each));
 }
 
 /** The ways to what the topic parameters lack: a recording may say it, or somebody types it. */

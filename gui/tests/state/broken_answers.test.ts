@@ -3,9 +3,9 @@
 import { signal } from "@preact/signals";
 import { afterEach, expect, test, vi } from "vitest";
 import { Api, ApiError } from "../../src/api/client";
+import { CheckQueue } from "../../src/state/check_queue";
 import type { Restored } from "../../src/state/drafts";
 import { type Conflict, type DiskChange, saveByItself } from "../../src/state/open_file";
-import { CheckQueue } from "../../src/state/rule_editor";
 import { brokenOff, openRules, serve } from "./served";
 
 declare const process: { once: (event: "unhandledRejection", told: () => void) => void };

@@ -105,7 +105,7 @@ def at_versions(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.button("New rate").click()
     ruler.save()
-    ruler.page.get_by_role("tab", name="Versions").click()
+    ruler.tool("Versions").click()
     ruler.page.get_by_role("listitem", name="Version of").last.get_by_role("button", name="Compare").click()
     ruler.page.get_by_role("figure", name="Open now").wait_for()
 
