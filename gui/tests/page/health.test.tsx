@@ -13,7 +13,7 @@ function robot(label: string, changes: Partial<RobotSummary> = {}): RobotSummary
   return {
     ...{ node: `${label}:/smarttestudo`, label, is_heard: true, heard_s_ago: 0.2, health: null, topics: 3 },
     rules: { files: ["/etc/testudo/patrol.adirf"], sha256: "0f".repeat(32), origin: "files", waits_s: null },
-    ...{ budget_kb_per_s: 100, out_kb_per_s: 60, link: null },
+    ...{ budget_kb_per_s: 100, out_kb_per_s: 60, link: null, recorded: 0 },
     ...changes,
   };
 }
