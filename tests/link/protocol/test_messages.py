@@ -33,7 +33,9 @@ from smarttestudo.link.protocol.messages import (
     ReportReader,
     ReportWriter,
 )
-from smarttestudo.link.protocol.wire import Kind, frame, zigzag
+from smarttestudo.link.protocol.wire import WIRE_VERSION, Kind, frame, zigzag
+
+VERSION = bytes([WIRE_VERSION])
 
 texts = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 values = st.dictionaries(
@@ -77,7 +79,7 @@ def test_a_refusal_arrives_in_one_line() -> None:
     assert (error.cause, error.place, error.remedy) == ("no way", "here", r"go\u001b on")
 
 
-@given(st.binary(max_size=40), st.binary(max_size=40).map(lambda body: b"\6\7" + body))
+@given(st.binary(max_size=40), st.binary(max_size=40).map(lambda body: VERSION + b"\7" + body))
 def test_nonsense_is_refused(data: bytes, other: bytes) -> None:
     for strange in (data, other):
         for questions in (READING_QUESTIONS, CHANGING_QUESTIONS, REFUSALS):
@@ -85,7 +87,9 @@ def test_nonsense_is_refused(data: bytes, other: bytes) -> None:
                 questions.from_bytes(strange)
 
 
-@pytest.mark.parametrize("data", [b"[" * 40, b'{"get": []}', b"\6", b"\6\x08\x07", b"\6\x08\1\0"])
+@pytest.mark.parametrize(
+    "data", [b"[" * 40, b'{"get": []}', VERSION, VERSION + b"\x08\x07", VERSION + b"\x08\1\0"]
+)
 def test_no_frame_is_refused(data: bytes) -> None:
     with pytest.raises(LinkError, match="malformed"):
         READING_QUESTIONS.from_bytes(data)

@@ -99,6 +99,7 @@ class FetchingEnds(Ends):
     contents: Contents = field(default_factory=lambda: Contents.of((), 0))
     from_s: float = 0.0
     is_live: bool = True
+    is_urgent: bool = False
     ends_when_done: bool = False
     loses: Callable[[int], bool] = lambda _now_ns: False
     sender: LinkSender[Answering] = field(default_factory=LinkSender)
@@ -158,6 +159,9 @@ class FetchingEnds(Ends):
 
     def _arrive_ask(self, operator: Operator, ask: Ask, now_ns: int) -> None:
         answering = Answering(operator, ask, ask.offset)
+        if self.is_urgent:
+            assert self.sender.scheduler.requests.enqueue_urgent(answering)
+            return
         gone = self.sender.scheduler.requests.enqueue(ask.asker, ask.got_bytes, answering, now_ns)
         assert gone is not answering
         self._drop(gone, now_ns)

@@ -111,6 +111,19 @@ def test_topics_that_need_all_of_the_link_leave_nothing() -> None:
     assert ends.done_ns is not None
 
 
+def test_what_is_urgent_comes_though_topics_need_all_of_the_link_and_takes_a_fifth_of_it_at_most() -> None:
+    rate_bytes_per_s = 100_000.0
+    contents = Contents.of(GAP, 5.0)
+    ends = FetchingEnds(
+        Link(((0.0, rate_bytes_per_s),), 0.02), LIVE, contents=contents, from_s=10.0, is_urgent=True
+    )
+    ends.run(60)
+    assert ends.done_ns is not None
+    assert ends.has_all
+    share = contents.order.size_bytes / (ends.done_ns / S - 10.0) / rate_bytes_per_s
+    assert 0.1 < share < 0.25
+
+
 def test_after_a_tenth_of_the_bytes_the_path_is_nearly_right() -> None:
     contents = Contents.of(GAP, GAP_S)
     errors = path_errors(contents, 0.1)

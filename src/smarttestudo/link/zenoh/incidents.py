@@ -125,7 +125,7 @@ class LinkIncidents:
             fetch.step(0)
         finally:
             there.save()
-        progress.say_last()
+        progress.say(None)
         return True
 
     def _incidents_key(self, robot: str) -> str | None:
@@ -202,21 +202,16 @@ class _Progress:
         self._history: deque[tuple[float, int]] = deque(maxlen=_RATE_SAYS)
 
     def say(self, waits_for: str | None) -> None:
-        now_s = time.monotonic()
-        if now_s - self._said_s >= _SAY_S:
+        now_s, is_whole = time.monotonic(), self._there.cursor >= self._plan.order_bytes
+        if is_whole or now_s - self._said_s >= _SAY_S:
             self._said_s = now_s
             self._history.append((now_s, self._there.got_bytes))
-            is_whole = self._there.cursor >= self._plan.order_bytes
             self._on_progress(self._progress(None if is_whole else waits_for))
-
-    def say_last(self) -> None:
-        self._on_progress(self._progress(None))
 
     def _progress(self, waits_for: str | None) -> FetchProgress:
         got_bytes, cursor = self._there.got_bytes, self._there.cursor
         reached = [level.rate_hz for level in self._plan.levels if level.end <= cursor]
-        history = self._history or [(0.0, got_bytes)]
-        (first_s, first), (last_s, last) = history[0], history[-1]
+        (first_s, first), (last_s, last) = self._history[0], self._history[-1]
         return FetchProgress(
             got_bytes=got_bytes,
             total_bytes=self._plan.size_bytes,

@@ -10,8 +10,6 @@ from functools import partial
 
 import zenoh
 
-from smarttestudo.domain.errors import LinkError
-from smarttestudo.domain.remote_robots import ANSWER_WITHIN_S
 from smarttestudo.link.protocol.keys import MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.worker import Worker
@@ -154,21 +152,12 @@ class LinkClients(QueryClient):
                 unreachable=settle,
             )
 
-    def ask(
-        self,
-        key: str,
-        payload: bytes,
-        replied: Callable[[bytes | LinkError], None],
-        ended: Callable[[], None],
-        timeout_s: float = ANSWER_WITHIN_S,
-        *,
-        waits: bool = True,
-    ) -> None:
-        """As ``QueryClient.ask``, at the place where the robot was found first."""
+    def session_for(self, key: str) -> zenoh.Session | None:
+        """The session with the place where the robot was found first."""
         with self._lock:
             boot = boot_of(key.rpartition("/")[0])
             client = self._clients[0] if boot is None else self._first(boot) or self._clients[0]
-        client.ask(key, payload, replied, ended, timeout_s, waits=waits)
+        return client.session_for(key)
 
     def close(self) -> None:
         for client in self._clients:

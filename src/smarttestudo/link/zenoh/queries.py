@@ -195,6 +195,10 @@ class QueryClient:
         handler = zenoh.handlers.Callback(on_reply, all_known)
         liveliness.get(ALL_BOOTS, handler, timeout=ANSWER_WITHIN_S)
 
+    def session_for(self, _key: str) -> zenoh.Session | None:
+        """The session over which to ask on a key, if there is one."""
+        return self._session
+
     def ask(
         self,
         key: str,
@@ -215,11 +219,12 @@ class QueryClient:
             if (found := _reply(key, reply)) is not None:
                 replied(found)
 
-        if self._session is None:
+        session = self.session_for(key)
+        if session is None:
             ended()
             return
         try:
-            self._session.get(
+            session.get(
                 key,
                 zenoh.handlers.Callback(on_reply, ended),
                 payload=payload,

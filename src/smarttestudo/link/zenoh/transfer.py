@@ -85,7 +85,9 @@ class ByteServer:
     def _begin(self, query: Query, ask: Ask, content_of: Callable[[str], Content]) -> None:
         content = content_of(ask.name)
         if ask.version not in (NEWEST, content.version):
-            raise LinkError("it changed on the robot meanwhile", place=ask.name, remedy="fetch it again")
+            raise LinkError(
+                "it changed on the robot meanwhile", place=ask.name.partition("/")[0], remedy="fetch it again"
+            )
         self._do(partial(self._enqueue, query, ask, content))
 
     def answer(self, grant: Grant[Answer]) -> tuple[int, bool]:
