@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import random
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -129,6 +129,9 @@ class LossyEnds(Ends):
         super().__post_init__()
         self.boots = [Boot(self.sender, self.payloads)]
         self._said_ns = 0
+        self._connection = 0
+        self._connected_ns = 0
+        """When the connection of that number is there."""
         self._begin_operator(7)
 
     @property
@@ -164,6 +167,12 @@ class LossyEnds(Ends):
             now_ns + back_ns + key_ns, lambda now_ns: self.allow(now_ns, has_datagrams=self.has_datagrams)
         )
 
+    def cut(self, now_ns: int, *, back_ns: int) -> None:
+        """Have the reliable link cut for a while; what is under way on it is gone."""
+        self._connection += 1
+        self._connected_ns = now_ns + back_ns
+        self.sender.disconnect()
+
     def restart_robot(self, now_ns: int, *, key_ns: int) -> None:
         """Have the robot's end stop, and another begin that knows nothing of it."""
         before = self.boots[-1]
@@ -190,13 +199,22 @@ class LossyEnds(Ends):
                 for at_ns in self.up.arrivals_ns(len(data), now_ns):
                     self.at(at_ns, partial(self._arrive_at, operator, data, True))
             else:
-                self.at(
-                    self.link.arrival_ns(len(data), now_ns), partial(self._arrive_at, operator, data, False)
-                )
+                at_ns = self.link.arrival_ns(len(data), now_ns)
+                self.at(at_ns, self._over_link(partial(self._arrive_at, operator, data, False), now_ns))
         wake_ns = scheduler.wake_ns(now_ns)
         if wake_ns is not None and (wake_ns < self.wake_ns or self.wake_ns <= now_ns):
             self.wake_ns = max(wake_ns, now_ns + 1)
             self.at(self.wake_ns, lambda _now_ns: None)
+
+    def _over_link(self, act: Callable[[int], None], sent_ns: int) -> Callable[[int], None]:
+        """Act on what was sent then over the connection that there was, if it is there still."""
+        connection = self._connection if sent_ns >= self._connected_ns else -1
+
+        def arrive(now_ns: int) -> None:
+            if connection == self._connection:
+                act(now_ns)
+
+        return arrive
 
     def _arrive_at(self, operator: Operator, data: bytes, is_datagram: bool, now_ns: int) -> None:
         """What comes for an end that is gone has no seal that another one opens."""
@@ -224,7 +242,7 @@ class LossyEnds(Ends):
         if not self.receiver.is_by_datagrams or now_ns - self._said_ns >= KEEP_ALIVE_NS:
             self._said_ns = now_ns
             if self.link.rate(now_ns) > 0:
-                self.at(now_ns + int(self.link.delay_s * S), told)
+                self.at(now_ns + int(self.link.delay_s * S), self._over_link(told, now_ns))
         self._report_ns = NEVER_NS
         self._report_soon(now_ns)
 

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 import random
 import socket
+import time
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 
 import pytest
@@ -17,7 +18,7 @@ from hypothesis import strategies as st
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
 from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
-from smarttestudo.link.zenoh.datagrams import Seal
+from smarttestudo.link.zenoh.datagrams import Datagrams, Seal
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
 from smarttestudo.link.zenoh.robot_end import RobotEnd
 from smarttestudo.link.zenoh.security import LinkOptions, has_datagrams
@@ -135,3 +136,61 @@ def test_a_stranger_at_the_port_gets_nothing_and_delivers_nothing() -> None:
         assert {*reader.payloads()} == {b"one"}
         datagrams = operator._datagrams
         until(lambda: datagrams.refused >= 5)
+
+
+@pytest.mark.full
+def test_only_what_has_the_key_of_the_connection_is_delivered_once_and_followed() -> None:
+    delivered = list[bytes]()
+    options = LinkOptions(listen=("tcp/127.0.0.1:1",), datagrams_port=_free_udp_port())
+    ours = Datagrams(
+        options,
+        time.monotonic_ns,
+        lambda _peer, data: delivered.append(data),
+        lambda _reached: None,
+        refuse_warning,
+        is_robot=False,
+    )
+    with closing(ours), closing(_udp()) as robot, closing(_udp()) as stranger, closing(_udp()) as moved:
+        assert ours.port is not None
+        there = ("127.0.0.1", ours.port)
+        ours.add("robot", b"c" * CONNECTION_BYTES, b"k" * KEY_BYTES, None)
+        ours.add("other", b"d" * CONNECTION_BYTES, b"l" * KEY_BYTES, None)
+        peer = ours.peer("robot")
+        assert peer is not None
+        seal = Seal(b"c" * CONNECTION_BYTES, b"k" * KEY_BYTES, is_robot=True)
+        of_another = Seal(b"c" * CONNECTION_BYTES, b"l" * KEY_BYTES, is_robot=True)
+        first, second, third = (seal.seal(b"%d of the robot" % number) for number in range(3))
+        robot.sendto(second, there)
+        until(lambda: len(delivered) == 1)
+        strange = (
+            second,
+            of_another.seal(b"with the key of another session"),
+            peer.seal.seal(b"ours, sent back"),
+            third[:-1],
+            third + bytes(1_000),
+            third + bytes(9_000),
+            bytes([third[0] ^ 1, *third[1:]]),
+            first[:CONNECTION_BYTES] + third[CONNECTION_BYTES : CONNECTION_BYTES + 8] + first[16:],
+        )
+        for datagram in strange:
+            stranger.sendto(datagram, there)
+        until(lambda: ours.refused == len(strange))
+        assert peer.address == robot.getsockname()
+        moved.sendto(third, there)
+        # What was overtaken is delivered, and says nothing of where the robot is now.
+        robot.sendto(first, there)
+        until(lambda: len(delivered) == 3)
+        assert peer.address == moved.getsockname()
+    assert sorted(delivered) == [b"%d of the robot" % number for number in range(3)]
+
+
+def _udp() -> socket.socket:
+    opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    opened.bind(("127.0.0.1", 0))
+    return opened
+
+
+def _free_udp_port() -> int:
+    with closing(_udp()) as probe:
+        port: int = probe.getsockname()[1]
+        return port

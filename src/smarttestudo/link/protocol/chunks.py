@@ -183,6 +183,8 @@ class Reassembler:
 
 MAX_LOST_SPANS = 16
 """How many spans of one session are told apart; of more, the first two become one."""
+MAX_DATAGRAM_SPANS = 64
+"""The same of one by datagrams, of which a radio loses many."""
 MAX_ENDED = 8
 """Of how many sessions before the newest it is told what arrived."""
 ENDED_TOLD_NS = 20 * NS_PER_S
@@ -231,6 +233,7 @@ class ReceivedSessions:
         self._begin_bytes = 0
         self._lost: list[LostSpan] = []
         self._is_cut = False
+        self._most_spans = MAX_LOST_SPANS
         self._ended: deque[tuple[int, Acknowledgement]] = deque(maxlen=MAX_ENDED)
         """The sessions before it, each with when the first chunk after it was sent."""
 
@@ -256,7 +259,7 @@ class ReceivedSessions:
             return None
         if chunk.session > self.session:
             self._begin(chunk)
-            self.received_bytes = 0
+            self.received_bytes, self._most_spans = 0, MAX_DATAGRAM_SPANS
         ahead_bytes = (chunk.session_offset - self.received_bytes) % SESSION_OFFSETS
         if ahead_bytes >= SESSION_OFFSETS // 2:
             ahead_bytes -= SESSION_OFFSETS
@@ -303,7 +306,7 @@ class ReceivedSessions:
         self._merge_lost()
 
     def _merge_lost(self) -> None:
-        while len(self._lost) > MAX_LOST_SPANS:
+        while len(self._lost) > self._most_spans:
             # What arrived between them is rather kept by the robot as well than nowhere.
             first, second = self._lost[:2]
             self._lost[:2] = [LostSpan(first.after_bytes, second.until_bytes)]
@@ -329,3 +332,4 @@ class ReceivedSessions:
         # Who has heard nothing yet may come in the middle of a session.
         self.received_bytes = 0 if self.session else chunk.session_offset
         self.session, self._lost, self._is_cut = chunk.session, [], False
+        self._most_spans = MAX_LOST_SPANS

@@ -21,8 +21,8 @@ from smarttestudo.domain.names import TypeName, has_topic_form
 from smarttestudo.domain.parameter import GetParameters, GetTopics, SetParameters, Values
 from smarttestudo.domain.texts import visible
 from smarttestudo.link.protocol.chunks import (
+    MAX_DATAGRAM_SPANS,
     MAX_ENDED,
-    MAX_LOST_SPANS,
     MAX_STREAMS,
     NOTHING_RECEIVED,
     Acknowledgement,
@@ -170,7 +170,7 @@ def _check_report(report: Report) -> None:
     _require(len(report.ended) <= MAX_ENDED, "too many sessions")
     for session in (report.received, *report.ended):
         _require(0 <= session.session < 2**32 and session.received_bytes >= 0, "no session")
-        _require(len(session.lost) <= MAX_LOST_SPANS, "too many lost messages")
+        _require(len(session.lost) <= MAX_DATAGRAM_SPANS, "too many lost messages")
 
 
 def _check_control(said: Announcement | LinkTimes) -> None:

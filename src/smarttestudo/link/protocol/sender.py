@@ -33,6 +33,8 @@ MAX_ENDING = 64
 MAX_RECEIVERS = 64
 """With more, nothing is known of some, so nothing is reckoned."""
 
+_BLOCKED_AFTER_NS = 7 * NS_PER_S // 10
+"""Datagrams of which none arrives for so long, and four round trips, are blocked where reports come."""
 HOLD_NS = 10 * NS_PER_S
 """For so long a session goes on before datagrams are tried again."""
 _FAST_BYTES_PER_S = 5_000_000.0
@@ -128,6 +130,8 @@ class LinkSender(Generic[_Request]):
         self._anew: set[str] = set()
         self._receivers = Receivers(LOST_AFTER_NS)
         self._receiver: int | None = None
+        self._is_cut_off = False
+        """Whether the receiver that is served has no reliable link, and may be gone."""
         self._datagrams_to: frozenset[int] = frozenset()
         """The receivers with which datagrams come through either way."""
         self._served_receiver: int | None = None
@@ -227,12 +231,16 @@ class LinkSender(Generic[_Request]):
         return self._outbox.fates.is_settled
 
     def handle_report(self, report: Report, now_ns: int) -> None:
-        """An operator's end says what it has."""
+        """An operator's end says what it has, over the reliable link."""
+        was_cut_off, self._is_cut_off = self._is_cut_off, False
+        self._handle_report(report, now_ns, was_cut_off=was_cut_off)
+
+    def _handle_report(self, report: Report, now_ns: int, *, was_cut_off: bool = False) -> None:
         self._note_absence(report.receiver, now_ns)
         has_joined = self._receivers.handle(report, now_ns)
         if has_joined:
             self._introduce(now_ns)
-        is_silent = self._receiver is None or now_ns - self._received_ns > LOST_AFTER_NS
+        is_silent = self._receiver is None or was_cut_off or now_ns - self._received_ns > LOST_AFTER_NS
         if report.receiver == self._receiver or is_silent:
             self._serve(report, now_ns)
         elif report.received.is_cut and self._may_restart(report.received, now_ns):
@@ -241,12 +249,9 @@ class LinkSender(Generic[_Request]):
             self._outbox.send_latched_again()
 
     def handle_datagram_report(self, report: Report, now_ns: int) -> None:
-        """The same by a datagram, which counts only while the reliable link has the operator's end as well.
-
-        One that comes after the news that an operator's end left must not keep the next from being served.
-        """
+        """The same by a datagram: it comes from an end that the reliable link has as well, or had."""
         if report.receiver == self._receiver or report.receiver in self._receivers.numbers:
-            self.handle_report(report, now_ns)
+            self._handle_report(report, now_ns)
 
     def allow_datagrams(self, receivers: frozenset[int]) -> None:
         """Datagrams come through to these receivers and back."""
@@ -262,9 +267,15 @@ class LinkSender(Generic[_Request]):
         return self.scheduler.is_open(now_ns)
 
     def disconnect(self) -> None:
-        """The operator's end is gone; the next that reports gets a new session."""
-        self._receiver = self.scheduler.open_until_ns = None
+        """The reliable link has no operator's end; the next that reports there gets a new session.
+
+        One that moves to another network may lose that link alone: datagrams go on while it reports by these.
+        """
         self._receivers = Receivers(LOST_AFTER_NS)
+        if self.scheduler.is_by_datagrams and self._receiver in self._datagrams_to:
+            self._is_cut_off = True
+            return
+        self._receiver = self.scheduler.open_until_ns = None
         self._outbox.fates.cut()
 
     def state(self, now_ns: int) -> LinkState:
@@ -304,14 +315,15 @@ class LinkSender(Generic[_Request]):
             self._outbox.fates.settle(received.session, report.ended)
         if must_restart and is_served:
             self._learn_of_cut(received, now_ns)
+        is_blocked = self._are_datagrams_blocked(now_ns)
         self._receiver = self._served_receiver = report.receiver
         self._received_ns = now_ns
         self.scheduler.open_until_ns = now_ns + LOST_AFTER_NS
         if self.scheduler.session < received.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
             self._restart(now_ns, after=received.session)
-        elif must_restart or self._acknowledge(received, now_ns) or self._is_to_switch(now_ns):
-            self._restart(now_ns)
+        elif must_restart or self._acknowledge(received, now_ns) or is_blocked or self._is_to_switch(now_ns):
+            self._restart(now_ns, is_blocked=is_blocked)
         if not is_served:
             self._outbox.fates.settle_all()
         for number, age_ms in report.ages_ms.items():
@@ -375,6 +387,14 @@ class LinkSender(Generic[_Request]):
             return has_held and not self.scheduler.is_by_datagrams
         return self.scheduler.is_by_datagrams
 
+    def _are_datagrams_blocked(self, now_ns: int) -> bool:
+        """Whether none arrives while reports come: in an outage these would not come either."""
+        since_ns, trip_ns = self.scheduler.window.waiting_since_ns, self.scheduler.window.round_trip_ns
+        if not self.scheduler.is_by_datagrams or since_ns is None or trip_ns is None:
+            return False
+        has_gone_on = now_ns - self._received_ns < self.scheduler.stalled_after_ns
+        return has_gone_on and now_ns - since_ns > _BLOCKED_AFTER_NS + 4 * trip_ns
+
     def _may_use_datagrams(self, now_ns: int) -> bool:
         """Whether the receiver that is served, and no other, is there, and has them come through."""
         if self._receiver not in self._datagrams_to or self._receivers.present(now_ns) != {self._receiver}:
@@ -387,11 +407,13 @@ class LinkSender(Generic[_Request]):
         is_newest = received.session == self.scheduler.session
         return is_newest and now_ns - self._restarted_ns >= STALLED_AFTER_NS
 
-    def _restart(self, now_ns: int, *, after: int = 0) -> None:
+    def _restart(self, now_ns: int, *, after: int = 0, is_blocked: bool = False) -> None:
+        """Begin another session, ``after`` one, over the reliable link where datagrams are blocked."""
         self._restarted_ns = now_ns
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
         session = max(self.scheduler.session, after) + 1
-        self.scheduler.restart(session, now_ns, by_datagrams=self._may_use_datagrams(now_ns))
+        by_datagrams = self._may_use_datagrams(now_ns) and not is_blocked
+        self.scheduler.restart(session, now_ns, by_datagrams=by_datagrams)
         self._introduce(now_ns)
 
     def _introduce(self, now_ns: int) -> None:

@@ -28,6 +28,7 @@ from smarttestudo.link.protocol.datagrams import (
 from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
 from smarttestudo.link.protocol.messages import Announcement
 from smarttestudo.link.protocol.receiver import KEEP_ALIVE_NS, LinkReceiver, ReceiverCounts
+from smarttestudo.link.protocol.repair import DATAGRAM_BYTES
 from smarttestudo.link.protocol.status_stream import Record
 from smarttestudo.link.protocol.wire import other_version
 from smarttestudo.link.worker import Worker
@@ -228,10 +229,7 @@ class OperatorEnd:
                 return
             else:
                 robot.is_present = is_present
-                if self._datagrams is not None and is_present:
-                    # It may be at another place now.
-                    self._datagrams.remove(boot.key)
-                    robot.ask_ns, robot.again_ns = 0, NS_PER_S
+                robot.ask_ns, robot.again_ns = 0, NS_PER_S
         if robot is None:
             return
         self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
@@ -299,10 +297,11 @@ class OperatorEnd:
                 # Most likely more comes, which is due then and need not wake the thread first.
                 wake_ns = min(wake_ns, now_ns + receiver.report_period_ns)
             peer = self._peer(robot) if is_due and receiver.is_by_datagrams else None
-        if report is not None and peer is not None and self._datagrams is not None:
+        is_small = report is not None and len(report) <= DATAGRAM_BYTES
+        if report is not None and is_small and peer is not None and self._datagrams is not None:
             self._datagrams.send(peer, report)
             # The reliable link says that somebody is there where datagrams come through no more.
-            if now_ns - robot.reported_ns < KEEP_ALIVE_NS:
+            if has_news and now_ns - robot.reported_ns < KEEP_ALIVE_NS:
                 return wake_ns
         if report is not None:
             robot.reported_ns = now_ns
