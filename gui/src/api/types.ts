@@ -893,6 +893,12 @@ export interface MeasureLiveRequest {
   run?: string;
 }
 
+/** A bag to be measured; `run` names the job in `Progress` messages of `/ws`. */
+export interface MeasureRequest {
+  bag: string;
+  run?: string;
+}
+
 /** Messages of `topic` that are not there, between two stamps; `messages` is `None` if unknown. */
 export interface Missing {
   topic: string;
@@ -2200,7 +2206,7 @@ export interface Routes {
   "POST /api/profile/for": { asked: ProfileForRequest; answered: ProfileForAnswer };
   "PUT /api/profile/for": { asked: ProfileChosenRequest; answered: ProfileForAnswer };
   "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
-  "POST /api/profile/measure": { asked: BagRequest; answered: TextAnswer };
+  "POST /api/profile/measure": { asked: MeasureRequest; answered: TextAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };

@@ -112,13 +112,14 @@ export class ProfileEditor extends OpenFile {
   }
 
   /** Replaces the table by one measured in a bag. */
-  async measure(bag: string): Promise<void> {
-    await this.replace(await this.contentOf((await this.api.ask("POST /api/profile/measure", { bag })).text));
+  async measure(bag: string, run: string, signal: AbortSignal): Promise<void> {
+    const { text } = await this.api.ask("POST /api/profile/measure", { bag, run }, { signal });
+    await this.replace(await this.contentOf(text));
   }
 
   /** Replaces the table by one measured on the robot for so many seconds. */
-  async measureLive(seconds: number): Promise<void> {
-    const { text } = await this.api.ask("POST /api/profile/measure-live", { seconds });
+  async measureLive(seconds: number, run: string, signal: AbortSignal): Promise<void> {
+    const { text } = await this.api.ask("POST /api/profile/measure-live", { seconds, run }, { signal });
     await this.replace(await this.contentOf(text));
   }
 
