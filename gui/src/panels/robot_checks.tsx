@@ -91,7 +91,7 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
   const { limit } = one;
   const threshold = useSignal(typeof limit === "number" ? limit : 0);
   return (
-    <>
+    <div>
       <CheckChart
         {...{ timeline, values, threshold, compared: limit }}
         isFixed={propose === null}
@@ -113,7 +113,7 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
       {propose !== null && typeof limit === "number" && (
         <OtherThreshold threshold={threshold} written={limit} write={(value) => propose(one, value)} />
       )}
-    </>
+    </div>
   );
 }
 

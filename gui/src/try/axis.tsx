@@ -38,7 +38,7 @@ export function TimeAxis({ timeline, label, words, said, ticksS = NONE, ...shown
         <div class="row">
           <Player timeline={timeline} loopS={loopS ?? null} />
           {buttons}
-          <output class="number">{said}</output>
+          <span class="said number">{said}</span>
         </div>
         <div class="scrubber-track">
           {ticksS.map((t) => (
