@@ -15,7 +15,6 @@ const DOWNLOAD = "Optimize and Download";
 interface Props {
   editor: RuleEditor;
   project: Project;
-  savesByItself: boolean;
   rulePush: RulePush;
   robotRules: RobotRules;
   onTool: (tool: "try" | "robot") => void;
@@ -23,10 +22,10 @@ interface Props {
 }
 
 /** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
+export function EditorBar({ editor, project, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
-  const next = useNextStep(editor, savesByItself, robotRules);
+  const next = useNextStep(editor, robotRules);
   const hasRobot = useRobot().connection.value.kind !== "none";
   const send = () => {
     onTool("robot");
@@ -52,7 +51,7 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
   );
   return (
     <>
-      <Header title={editor.name} note={savedNote(editor, savesByItself)} menu={menu}>
+      <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"} menu={menu}>
         <NeedsServer changes>
           <ToolButton
             label="Save"
@@ -90,16 +89,9 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
 type NextStep = "save" | "ship" | null;
 
 /** What is to be done next, as the one main button says; null while there is nothing to be done. */
-function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
+function useNextStep(editor: RuleEditor, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
-  if (!editor.isSaved.value && !savesByItself) return "save";
+  if (!editor.isSaved.value) return "save";
   if (editor.isEmpty.value) return null;
   return kind === "none" || robotRules.comparison.value.kind === "other" ? "ship" : null;
-}
-
-/** Whether the file holds what is open, and why it may not. */
-function savedNote(editor: RuleEditor, savesByItself: boolean): string {
-  if (editor.isSaved.value) return savesByItself ? "saved by itself" : "saved";
-  const waits = savesByItself && editor.errors.value.length > 0;
-  return waits ? "not saved while there are errors" : "not saved";
 }
