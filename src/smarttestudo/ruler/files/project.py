@@ -59,7 +59,7 @@ class SettingsFile:
     def set_profile(self, rules: str, profile: str) -> None:
         """Write that ``rules`` go with ``profile``, empty for none.
 
-        Raises ``OutputFileError`` where that is not possible. What was chosen for rule files that are gone is forgotten.
+        Raises ``OutputFileError`` where it cannot. What was chosen for rule files that are gone is forgotten.
         """
 
         def chosen(settings: ProjectSettings) -> ProjectSettings:
