@@ -90,9 +90,8 @@ export class Api {
     return this.ask("GET /api/file/state", null, { name });
   }
 
-  /** `byItself` is whether nobody asked for it. */
-  save(name: string, text: string, baseHash: string | null, byItself = false): Answer<"PUT /api/file"> {
-    return this.ask("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });
+  save(name: string, text: string, baseHash: string | null): Answer<"PUT /api/file"> {
+    return this.ask("PUT /api/file", { name, text, base_hash: baseHash });
   }
 
   /** What was saved of a rule file, the newest first. */

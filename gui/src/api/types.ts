@@ -1192,7 +1192,6 @@ export interface Progress {
  *
  * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
  * reach ROS 2; `version` is that of SmartTestudo. `root_hash` tells folders of one name apart.
- * `saves_by_itself` is whether the page saves what was changed without being asked.
  */
 export interface Project {
   root_name: string;
@@ -1202,7 +1201,6 @@ export interface Project {
   version: string;
   ros: boolean;
   has_more: boolean;
-  saves_by_itself: boolean;
 }
 
 /**
@@ -1585,7 +1583,7 @@ export interface RuleStatement {
 }
 
 /**
- * One version; `saved_at_ms` counts since 1970, `by_itself` is whether nobody asked the page to save.
+ * One version; `saved_at_ms` counts since 1970.
  *
  * `changes` is what a robot does otherwise than with the version before: empty where only comments or
  * layout differ, null where none is before it or it was not compared. `parses` is whether it is without
@@ -1594,7 +1592,6 @@ export interface RuleStatement {
 export interface RuleVersion {
   id: string;
   saved_at_ms: number;
-  by_itself: boolean;
   size_bytes: number;
   changes: string[] | null;
   parses: boolean | null;
@@ -1674,16 +1671,11 @@ export interface SaveAnswer {
   note: string;
 }
 
-/**
- * A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet.
- *
- * `by_itself` is whether nobody asked the page to save.
- */
+/** A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet. */
 export interface SaveRequest {
   name: string;
   text: string;
   base_hash?: string | null;
-  by_itself?: boolean;
 }
 
 /** `SetFrequency topic rate [margin]`: a default, or in a rule, without `id` and `key`. */
@@ -1698,11 +1690,6 @@ export interface SetStatement {
   topic: string;
   rate: Rate;
   margin?: MarginValue | null;
-}
-
-/** Settings for everybody who opens the project. */
-export interface SettingsRequest {
-  saves_by_itself: boolean;
 }
 
 /** How much a finding matters; only errors stop a file from being used. */
@@ -2211,7 +2198,6 @@ export interface Routes {
   "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
   "GET /api/project": { asked: null; answered: Project };
-  "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: PushedRequest; answered: ConfirmAnswer };
   "POST /api/push/lasting": { asked: RobotRequest; answered: LastingAnswer };

@@ -66,7 +66,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   useEffect(() => {
     void open(editor, setState);
   }, []);
-  const savesByItself = useOpenFile(editor, project, (byItself) => editor.save(byItself));
+  useOpenFile(editor, () => editor.save());
   useReturn(() => {
     if (state === "open") return editor.revive();
     return state !== "opening" && open(editor, setState);
@@ -87,7 +87,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
     <div class="editor" data-full={full.part.value} style={{ "--dock": `${dock}%`, "--blocks": `${blocks}%` }}>
       <div>
         <EditorBar
-          {...{ editor, project, savesByItself, ...robot }}
+          {...{ editor, project, ...robot }}
           onTool={openTool}
           onDownload={() => {
             openTool("optimize");

@@ -34,12 +34,12 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
   useEffect(() => void open(), []);
   useReturn(() => (isOpen ? guarded(() => editor.revive()) : problem && open()));
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
-  const save = (byItself: boolean) =>
+  const save = () =>
     guarded(async () => {
-      await editor.save(byItself);
+      await editor.save();
       await refresh();
     });
-  useOpenFile(editor, project, async (byItself) => (byItself || canSave() ? save(byItself) : undefined));
+  useOpenFile(editor, async () => (canSave() ? save() : undefined));
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
@@ -52,7 +52,7 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
             keys="Ctrl+S"
             isNext
             disabled={!canSave()}
-            act={() => void save(false)}
+            act={() => void save()}
           />
         </NeedsServer>
         <UndoButtons

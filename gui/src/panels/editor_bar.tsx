@@ -17,7 +17,6 @@ const DOWNLOAD = "Optimize and Download";
 interface Props {
   editor: RuleEditor;
   project: Project;
-  savesByItself: boolean;
   rulePush: RulePush;
   robotRules: RobotRules;
   onTool: (tool: "try" | "robot") => void;
@@ -25,12 +24,12 @@ interface Props {
 }
 
 /** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
+export function EditorBar({ editor, project, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
   const hasVersions = useSignal(false);
   const closeVersions = () => (hasVersions.value = false);
-  const next = useNextStep(editor, savesByItself, robotRules);
+  const next = useNextStep(editor, robotRules);
   const send = () => {
     onTool("robot");
     void rulePush.ask();
@@ -49,7 +48,7 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
   );
   return (
     <>
-      <Header title={editor.name} note={savedNote(editor, savesByItself)} menu={menu}>
+      <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"} menu={menu}>
         <NeedsServer changes>
           <ToolButton
             label="Save"
@@ -97,17 +96,10 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
 type NextStep = "save" | "send" | "download" | null;
 
 /** What is to be done next, which alone has colour: each button stays what it is. Null while there is nothing to be done. */
-function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
+function useNextStep(editor: RuleEditor, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
-  if (!editor.isSaved.value && !savesByItself) return "save";
+  if (!editor.isSaved.value) return "save";
   if (editor.isEmpty.value) return null;
   if (kind === "none") return "download";
   return robotRules.comparison.value.kind === "other" ? "send" : null;
-}
-
-/** Whether the file holds what is open, and why it may not. */
-function savedNote(editor: RuleEditor, savesByItself: boolean): string {
-  if (editor.isSaved.value) return savesByItself ? "saved by itself" : "saved";
-  const waits = savesByItself && editor.errors.value.length > 0;
-  return waits ? "not saved while there are errors" : "not saved";
 }

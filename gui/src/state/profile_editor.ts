@@ -101,10 +101,6 @@ export class ProfileEditor extends OpenFile {
     if (!this.isSaved.value) await this.check();
   }
 
-  isSound(): boolean {
-    return this.problems.peek().length === 0;
-  }
-
   override async compare(): Promise<void> {
     const [problem] = this.problems.peek();
     if (problem === undefined) await super.compare();

@@ -216,10 +216,10 @@ export class RuleEditor extends OpenFile {
     if (text !== this.text.value) await this.replace(text);
   }
 
-  override async save(byItself = false): Promise<void> {
-    const isWhole = (await this.handOver?.(!byItself)) ?? true;
-    await this.attempt(() => super.save(byItself));
-    if (isWhole || byItself || !this.isInFile.value) return;
+  override async save(): Promise<void> {
+    const isWhole = (await this.handOver?.(true)) ?? true;
+    await this.attempt(() => super.save());
+    if (isWhole || !this.isInFile.value) return;
     this.message.value = `Saved ${this.name} without what is being typed`;
   }
 

@@ -21,7 +21,7 @@ from ruler.browser.ruler_page import RulerPage
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-NOT_CONNECTED = re.compile(r"not connected|robot silent for \d+ s")
+NOT_CONNECTED = re.compile(r"not connected|: silent for \d+ s")
 IMU = "sensor_msgs/msg/Imu"
 # Among the topics, not in the list of what was decided about it.
 IMU_ROW = re.compile(r"^\/imu")
