@@ -4,6 +4,7 @@ import { effect, type Signal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
+import { withoutLines } from "../blocks/rule_words";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
@@ -47,9 +48,10 @@ export function followRates(editor: RuleEditor, rates: Signal<Optimized | null>)
 export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rates"> & { onOpen: () => void }) {
   const result = rates.value;
   if (editor.profile.value === null || result === null || "refused" in result) return null;
-  const [most] = [...result.situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
+  const byLoad = [...result.situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
+  const most = byLoad.find(({ kind }) => kind === "worst") ?? byLoad[0];
   if (most === undefined) return null;
-  const where = most.kind === "worst" ? "worst case" : most.title;
+  const where = withoutLines(most.title, editor.statements.value);
   const share = most.kb_per_s / result.budget_kb_per_s;
   return (
     <button
