@@ -5,7 +5,6 @@ import { Api, ApiError } from "../../src/api/client";
 import { CheckQueue } from "../../src/state/check_queue";
 import { brokenOff, openRules, serve } from "./served";
 
-
 afterEach(() => {
   vi.useRealTimers();
   vi.unstubAllGlobals();
