@@ -74,6 +74,8 @@ def test_between_programs_of_one_machine_datagrams_go_only_if_a_port_is_given() 
     assert has_datagrams(LinkOptions(connect=here, datagrams_port=7450))
     assert has_datagrams(LinkOptions(connect=there))
     assert not has_datagrams(LinkOptions(connect=there, has_datagrams=False))
+    # Zenoh has that UDP port itself.
+    assert not has_datagrams(LinkOptions(connect=("quic/192.168.1.5:7447",)))
     assert not has_datagrams(LinkOptions(listen=("unixsock-stream/link",), datagrams_port=7450))
 
 
@@ -104,11 +106,11 @@ def test_what_is_relayed_goes_as_datagrams_whoever_listens(*, robot_listens: boo
     with both_ends(robot_listens=robot_listens) as (robot, operator):
         reader, latched, publisher = Reader(operator), robot.advertise(MAP), robot.advertise(ODOM)
         latched.publish(b"map" * 1_000)
-        until(lambda: robot.state.by_datagrams, reader.read)
+        # On a link as fast as this one they may give way soon.
+        until(lambda: robot.state.lost_percent is not None, reader.read)
         image = random.Random(3).randbytes(60_000)
         until(lambda: image in reader.payloads(), lambda: publisher.publish(image))
         assert reader.payloads("/map") == [b"map" * 1_000]
-        assert robot.state.lost_percent is not None
 
 
 @pytest.mark.full

@@ -190,6 +190,10 @@ class LinkReceiver:
             self.counts.repeated += 1
             return []
         self.counts.received_bytes += size_bytes
+        if not chunk.is_in_order and chunk.number == self._newest.get(chunk.stream):
+            # It is there; refused, it would count as lost.
+            self.counts.repeated += 1
+            return []
         offset_ns = now_ns - chunk.sent_ns
         transit_ns = offset_ns - self._offset.add(offset_ns, now_ns)
         is_late = transit_ns > LATE_AFTER_NS + 4 * self._round_trip_ns and not chunk.is_kept

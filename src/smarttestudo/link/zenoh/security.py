@@ -14,6 +14,7 @@ from smarttestudo.domain.errors import LinkError, UsageError
 
 _LOCAL_PROTOCOLS = ("unixsock-stream", "unixpipe")
 _TLS_PROTOCOLS = ("tls", "quic")
+_UDP_PROTOCOLS = ("quic", "udp")
 _PORT_PROTOCOLS = (*_TLS_PROTOCOLS, "tcp", "udp", "ws")
 _LAST_PORT = 65_535
 _EXPECTED = "write it as in tls/192.168.1.5:7447"
@@ -95,13 +96,15 @@ class Locator:
 def datagram_locators(options: LinkOptions, endpoints: Sequence[str]) -> list[Locator]:
     """The places of ``endpoints`` beside which datagrams go.
 
-    None goes between programs of one machine, where nothing is lost, unless a port is given for that.
+    None goes between programs of one machine, where nothing is lost, nor where Zenoh has the UDP port itself,
+    unless a port is given for that.
     """
     locators = [Locator.of(endpoint) for endpoint in endpoints]
     return [
         one
         for one in locators
-        if one.protocol in _PORT_PROTOCOLS and (options.datagrams_port is not None or not one.is_loopback)
+        if one.protocol in _PORT_PROTOCOLS
+        and (options.datagrams_port is not None or not (one.is_loopback or one.protocol in _UDP_PROTOCOLS))
     ]
 
 
