@@ -92,7 +92,7 @@ export function withoutLines(words: string, statements: readonly Statement[]): s
       const name = nameAt(line);
       return name === null ? all : `“${name}”`;
     })
-    .replace(/("[^"]+") \(line \d+\)/g, "$1");
+    .replace(/ \(line \d+\)/g, "");
 }
 
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];

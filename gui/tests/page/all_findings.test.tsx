@@ -60,7 +60,7 @@ end
   await expect.element(over).toHaveTextContent("“if /odom pose_x > 1”");
   await expect.element(over).not.toHaveTextContent(/\bline \d/);
   await expect.element(over.getByRole("button").first()).toHaveTextContent("Rule if /odom pose_x > 1");
-  const bar = page.getByRole("button", { name: /Worst case: 4\s010 of 3\s000 KB\/s/ });
+  const bar = page.getByRole("button", { name: /“if .odom pose_x > 1”: 4\s010 of 3\s000 KB\/s/ });
   expect((await bar.findElement()).className).toContain("over");
   const limits = page.getByRole("group", { name: "Limit the findings" });
   const whole = rows().length;
