@@ -20,8 +20,12 @@ from xml.etree import ElementTree
 
 RESULTS = Path("build/tests")
 SHOWN = 10
-LIVE = ("tests/ros", "tests/ruler/browser/test_robot.py")
-"""They are on a ROS graph, and wait more than they work."""
+LIVE = (
+    "tests/ros",
+    "tests/ruler/browser/test_robot.py",
+    "tests/link/zenoh/test_datagrams_between_networks.py",
+)
+"""They are on a ROS graph or a radio, and wait more than they work."""
 PROCESSES = ("tests/ros", "tests/ruler/browser")
 """Nothing in these folders is plain."""
 REPORTERS = ("default", "junit", "./tests/progress.mjs")

@@ -104,6 +104,8 @@ def test_a_rule_sets_calls_and_notifies_and_the_end_gives_back(acted: Acted) -> 
     assert max(map(len, run.output)) < 3000
 
 
+# Each has 5 s for its answer, once: where others have the processors, that is too little.
+@pytest.mark.calm
 def test_what_refuses_vanishes_hangs_or_is_not_there_is_said_and_costs_nothing_else(acted: Acted) -> None:
     acted.run(
         f"{FAR} SetParameter /camera picky 2 SetParameter /camera nothing 2 Call /hang Call /light true "

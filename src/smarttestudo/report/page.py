@@ -90,7 +90,7 @@ def folded(heading: str, *content: Child) -> Markup:
 
 
 def folded_tables(tables: Iterable[Table[Any]]) -> Iterator[Markup]:
-    """Each table under its title."""
+    """Tables, under their titles."""
     return (folded(table.title, html_table(table)) for table in tables)
 
 

@@ -14,7 +14,7 @@ from link.protocol.simulated_link import Ends, Link, S, Source
 from smarttestudo.domain.link import LinkNeeds
 from smarttestudo.link.protocol.sender import LinkSender
 from smarttestudo.link.transfer.fetching import Fetching
-from smarttestudo.link.transfer.messages import PARTS, VERSION_BYTES, Ask, Got, Part
+from smarttestudo.link.transfer.messages import PARTS, VERSION_BYTES, Ask, ContentPart, Got
 from smarttestudo.link.transfer.order import ByteRange, MessageRange, TransferOrder
 
 LOOK_NS = S // 10
@@ -57,11 +57,11 @@ class Contents:
         data = rng.randbytes(place + tail.size_bytes)
         return Contents(files=[data], messages=messages, order=TransferOrder([head], messages, [tail]))
 
-    def part(self, offset: int, size_bytes: int) -> Part:
+    def part(self, offset: int, size_bytes: int) -> ContentPart:
         """What the robot's end sends."""
         data = self.read(offset, size_bytes)
         total_bytes = self.order.size_bytes
-        return Part(version=bytes(VERSION_BYTES), total_bytes=total_bytes, offset=offset, data=data)
+        return ContentPart(version=bytes(VERSION_BYTES), total_bytes=total_bytes, offset=offset, data=data)
 
     def read(self, offset: int, size_bytes: int) -> bytes:
         """Bytes of the order."""

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.wire import Kind, frame
-from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, NEWEST, PARTS, Ask, Got, Part
+from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, NEWEST, PARTS, Ask, ContentPart, Got
 
 VERSION = bytes(range(8))
 
@@ -55,30 +55,30 @@ def test_a_question_that_lies_is_refused(lie: Ask | Got) -> None:
 
 @given(st.binary(min_size=1, max_size=200), st.integers(0, 2**60), st.integers(0, 2**60))
 def test_a_part_is_what_travelled(data: bytes, offset: int, more: int) -> None:
-    part = Part(version=VERSION, total_bytes=offset + len(data) + more, offset=offset, data=data)
+    part = ContentPart(version=VERSION, total_bytes=offset + len(data) + more, offset=offset, data=data)
     assert PARTS.from_bytes(PARTS.to_bytes(part)) == part
 
 
 @pytest.mark.parametrize(
     "lie",
     [
-        Part(version=VERSION, total_bytes=4, offset=0, data=b"12345"),
-        Part(version=VERSION, total_bytes=10, offset=6, data=b"12345"),
-        Part(version=VERSION, total_bytes=2**63, offset=0, data=b"12345"),
-        Part(version=VERSION, total_bytes=10, offset=-1, data=b"12345"),
-        Part(version=VERSION, total_bytes=10, offset=0, data=b""),
-        Part(version=NEWEST, total_bytes=10, offset=0, data=b"12345"),
-        Part(version=VERSION, total_bytes=2**40, offset=0, data=bytes(MAX_PART_BYTES + 1)),
+        ContentPart(version=VERSION, total_bytes=4, offset=0, data=b"12345"),
+        ContentPart(version=VERSION, total_bytes=10, offset=6, data=b"12345"),
+        ContentPart(version=VERSION, total_bytes=2**63, offset=0, data=b"12345"),
+        ContentPart(version=VERSION, total_bytes=10, offset=-1, data=b"12345"),
+        ContentPart(version=VERSION, total_bytes=10, offset=0, data=b""),
+        ContentPart(version=NEWEST, total_bytes=10, offset=0, data=b"12345"),
+        ContentPart(version=VERSION, total_bytes=2**40, offset=0, data=bytes(MAX_PART_BYTES + 1)),
     ],
 )
-def test_a_part_that_lies_is_refused(lie: Part) -> None:
+def test_a_part_that_lies_is_refused(lie: ContentPart) -> None:
     with pytest.raises(LinkError):
         PARTS.from_bytes(PARTS.to_bytes(lie))
 
 
 @given(st.binary(max_size=200))
 def test_random_bytes_are_a_part_or_refused(data: bytes) -> None:
-    whole = PARTS.to_bytes(Part(version=VERSION, total_bytes=300, offset=20, data=bytes(84)))
+    whole = PARTS.to_bytes(ContentPart(version=VERSION, total_bytes=300, offset=20, data=bytes(84)))
     for attempt in (data, whole[:14] + data):
         try:
             part = PARTS.from_bytes(attempt)

@@ -18,7 +18,7 @@ from link.zenoh.memory_zenoh import VirtualTime, network, virtual_time
 from smarttestudo.domain.errors import LinkError, TestudoError
 from smarttestudo.domain.incident import FetchProgress
 from smarttestudo.link.protocol.wire import WIRE_VERSION
-from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, PARTS, VERSION_BYTES, Ask, Part
+from smarttestudo.link.transfer.messages import ASKS, MAX_PART_BYTES, PARTS, VERSION_BYTES, Ask, ContentPart
 from smarttestudo.link.transfer.order import ByteRange, TransferOrder
 from smarttestudo.link.transfer.plan import PLANS, PlannedFile, TransferPlan
 from smarttestudo.link.zenoh import open_robot_end
@@ -139,7 +139,7 @@ LIED = TransferPlan(
 def part_of(data: bytes, ask: Ask, version: bytes = bytes(VERSION_BYTES)) -> bytes:
     """The first part of these bytes from where they are asked for."""
     some = data[ask.offset : ask.offset + MAX_PART_BYTES]
-    return PARTS.to_bytes(Part(version=version, total_bytes=len(data), offset=ask.offset, data=some))
+    return PARTS.to_bytes(ContentPart(version=version, total_bytes=len(data), offset=ask.offset, data=some))
 
 
 def travelling(range_: ByteRange) -> bytes:

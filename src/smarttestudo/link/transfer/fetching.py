@@ -7,7 +7,7 @@ from __future__ import annotations
 from smarttestudo.domain.errors import LinkError
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.wire import malformed
-from smarttestudo.link.transfer.messages import MOST_BYTES, NEWEST, Ask, Got, Part
+from smarttestudo.link.transfer.messages import MOST_BYTES, NEWEST, Ask, ContentPart, Got
 
 _AGAIN_AFTER_NS = NS_PER_S // 2
 """How soon to ask again at the earliest where bytes got lost, or an answer ended before them."""
@@ -54,7 +54,7 @@ class Fetching:
         return self._total_bytes is not None and self.offset >= self._total_bytes
 
     def next(self, now_ns: int) -> Ask | Got | None:
-        """What to send now."""
+        """The question or note to send now, if one is due."""
         if not self.is_complete and now_ns >= self._again_ns:
             self.is_unanswered |= not self._answered
             self._answered = False
@@ -73,7 +73,7 @@ class Fetching:
         self._said_bytes = self.got_bytes
         return Got(asker=self._asker, got_bytes=self.got_bytes)
 
-    def receive(self, part: Part, travelled_bytes: int, now_ns: int) -> bytes:
+    def receive(self, part: ContentPart, travelled_bytes: int, now_ns: int) -> bytes:
         """The bytes of a part that follow on those that are there. Raises ``LinkError`` for others' bytes."""
         if part.version != (self.version or part.version) or part.total_bytes > self._most_bytes:
             raise malformed("bytes of something else")

@@ -36,14 +36,14 @@ class Ask:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Got:
-    """Who asked has got so much; nothing is to be answered."""
+    """Bytes that the asking end has got; nothing is to be answered."""
 
     asker: int
     got_bytes: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Part:
+class ContentPart:
     """Some of the ``total_bytes`` of a name in this version."""
 
     version: bytes
@@ -92,7 +92,7 @@ def _check_ask(said: Ask | Got) -> None:
         raise ValueError("no number of bytes")
 
 
-def _check_part(part: Part) -> None:
+def _check_part(part: ContentPart) -> None:
     end = part.offset + len(part.data)
     if len(part.version) != VERSION_BYTES or not part.data or len(part.data) > MAX_PART_BYTES:
         raise ValueError("no bytes")
@@ -101,4 +101,6 @@ def _check_part(part: Part) -> None:
 
 
 ASKS: FrameType[Ask | Got] = FrameType(Kind.ASK, Ask | Got, _check_ask, most_bytes=1_000)
-PARTS: FrameType[Part] = FrameType(Kind.PART, Part, _check_part, most_bytes=MAX_PART_FRAME_BYTES)
+PARTS: FrameType[ContentPart] = FrameType(
+    Kind.PART, ContentPart, _check_part, most_bytes=MAX_PART_FRAME_BYTES
+)

@@ -75,7 +75,7 @@ class TransferOrder:
         self.levels = tuple(self._levels([rank for rank, _ in ranked], len(head)))
 
     def stretches(self, offset: int, size_bytes: int) -> Iterator[bytes | ByteRange]:
-        """What travels from ``offset`` of the order on: heads of ranges, and where the bytes between are."""
+        """Bytes from ``offset`` of the order on: heads of ranges, and where the bytes between are."""
         number = bisect_right(self._ends, offset)
         while size_bytes > 0 and number < len(self._ranges):
             range_ = self._ranges[number]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a robot has of incidents: the list of them, and the files of each with the order of their bytes."""
+"""Incidents of a robot: the list of them, and the files of each with the order of their bytes."""
 
 from __future__ import annotations
 

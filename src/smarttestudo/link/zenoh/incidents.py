@@ -192,7 +192,7 @@ class LinkIncidents:
 
 
 class _Progress:
-    """What is said of a fetch, now and then."""
+    """Progress of a fetch, said now and then."""
 
     def __init__(self, plan: TransferPlan, there: PartialIncident, on_progress: OnProgress) -> None:
         self._plan = plan

@@ -22,8 +22,8 @@ from smarttestudo.link.transfer.messages import (
     PARTS,
     Ask,
     Content,
+    ContentPart,
     Got,
-    Part,
     WholeContent,
 )
 from smarttestudo.link.zenoh.compression import Compressor, unpacked
@@ -35,7 +35,7 @@ _ASKED_FOR_S = 3_600.0
 
 @dataclass(slots=True, eq=False)
 class Answer:
-    """What a question is answered with: ``content`` from ``offset`` on."""
+    """Answer to a question: ``content`` from ``offset`` on."""
 
     query: Query
     content: Content
@@ -100,7 +100,9 @@ class ByteServer:
             answer.query.refuse(error)
             return 0, True
         if data:
-            part = Part(version=content.version, total_bytes=content.size_bytes, offset=offset, data=data)
+            part = ContentPart(
+                version=content.version, total_bytes=content.size_bytes, offset=offset, data=data
+            )
             sent = self._compressor.packed(PARTS.to_bytes(part))
             answer.offset += len(data)
         is_sent = bool(data) and answer.query.reply_part(sent)
@@ -115,16 +117,15 @@ class ByteServer:
 
     def _enqueue(self, query: Query, ask: Ask, content: Content) -> None:
         answer = Answer(query, content, ask.offset)
-        gone: Answer | None = answer
-        if not content.is_urgent:
+        if content.is_urgent:
+            gone = None if self._requests.enqueue_urgent(answer) else answer
+        else:
             gone = self._requests.enqueue(ask.asker, ask.got_bytes, answer, self._clock())
-        elif self._requests.enqueue_urgent(answer):
-            gone = None
         if gone is not None:
             gone.query.drop()
 
 
-def part_from(data: bytes) -> Part:
+def part_from(data: bytes) -> ContentPart:
     """The part that arrived. Raises ``LinkError`` for anything else."""
     return PARTS.from_bytes(unpacked(data, MAX_PART_FRAME_BYTES))
 
