@@ -32,12 +32,13 @@ const MANY = 41;
 
 test("clashing rules are a pair with a way to both", async () => {
   const ruler = await openRules("clash", CLASH);
-  const pair = page.getByRole("group", { name: "Statements that this is about" }).first();
+  const others = page.getByRole("group", { name: "Other statements that this is about" });
+  const clash = page.getByRole("list", { name: "Findings" }).getByRole("listitem").filter({ has: others }).first();
   const spot = ruler.text.getByCss(".spot").first();
-  await pair.getByRole("button", { name: "Show Rule Bay" }).click();
+  await clash.getByRole("button", { name: "Show Rule Bay" }).click();
   await expect.element(ruler.text).toHaveFocus();
   await expect.element(spot).toHaveTextContent("Bay");
-  await pair.getByRole("button", { name: "Show Rule Dock" }).click();
+  await clash.getByRole("button", { name: "Rule Dock", exact: true }).click();
   await expect.element(spot).toHaveTextContent("Dock");
 });
 
