@@ -136,7 +136,7 @@ def at_incidents(ruler: RulerPage) -> None:
 def at_incident(ruler: RulerPage) -> None:
     at_incidents(ruler)
     ruler.page.get_by_role("link", name="all of it").click()
-    ruler.page.get_by_role("figure", name="Rate of /odom").wait_for()
+    ruler.page.get_by_role("slider", name="Time around the moment (s)").wait_for()
 
 
 def at_deleting(ruler: RulerPage) -> None:
@@ -212,7 +212,8 @@ def at_zones(ruler: RulerPage) -> None:
 
 
 def at_recording(ruler: RulerPage) -> None:
-    ruler.page.get_by_role("region", name="Recordings").get_by_role("button", name="monday").click()
+    ruler.page.get_by_role("link", name="Recordings", exact=True).click()
+    ruler.button("New rules from monday").click()
     ruler.page.get_by_role("dialog", name="Start from monday").get_by_role("status").wait_for()
 
 
