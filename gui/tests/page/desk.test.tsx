@@ -39,7 +39,7 @@ test("clashing rules are a pair with a way to both", async () => {
   await expect.element(ruler.text).toHaveFocus();
   await expect.element(spot).toHaveTextContent("Bay");
   await clash.getByRole("button", { name: "Rule Dock", exact: true }).click();
-  await expect.element(spot).toHaveTextContent("Dock");
+  await expect.element(spot).toHaveTextContent("SetFrequency /odom 8");
 });
 
 test("a name makes its folder and one that is not shown is refused with the real cause", async () => {
