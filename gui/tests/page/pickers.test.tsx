@@ -117,7 +117,9 @@ test("an open list lets the page rest", async () => {
   await (await ruler.field("Edit topic to send")).click();
   await ruler.shown(option("/odom"));
   const ask = window.requestAnimationFrame;
-  onTestFinished(() => void (window.requestAnimationFrame = ask));
+  onTestFinished(() => {
+    window.requestAnimationFrame = ask;
+  });
   let asked = 0;
   window.requestAnimationFrame = (act) => {
     asked++;
