@@ -49,7 +49,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   /** Whether the rates are to be downloaded as soon as they are computed. */
   const wantsRates = useSignal(false);
   const rates = useSignal<Optimized | null>(null);
-  useEffect(() => followRates(editor, rates), []);
+  useEffect(() => followRates(editor, rates, () => tool.value === "optimize"), []);
   // Panes have the room that somebody left them for what they show, else as much as that needs.
   const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
   const isMap = side.value === "map";

@@ -16,6 +16,8 @@ import { hz, kilobytes, readable, sentence } from "../ui/numbers";
 import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;
+/** Findings on a profile that does not say what rates need. */
+const LACKING: ReadonlySet<string> = new Set(["profile-incomplete", "budget-not-proven"]);
 const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
@@ -29,19 +31,35 @@ interface Props {
   wantsRates: Signal<boolean>;
 }
 
-/** Computes rates anew whenever the rules stand still for a moment, until the returned function is called. */
-export function followRates(editor: RuleEditor, rates: Signal<Optimized | null>): () => void {
+/**
+ * Computes rates anew whenever the rules stand still for a moment, until the returned function is called.
+ * What would be refused is asked for only if `wantsAnyway`, whose reader is told why.
+ */
+export function followRates(
+  editor: RuleEditor,
+  rates: Signal<Optimized | null>,
+  wantsAnyway: () => boolean,
+): () => void {
   let timer: number | undefined;
   const stop = effect(() => {
     void editor.text.value;
     window.clearTimeout(timer);
-    if (editor.profile.value === null) rates.value = null;
-    else timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
+    const can = canCompute(editor);
+    if (editor.profile.value === null || (can === false && !wantsAnyway())) rates.value = null;
+    else if (can || wantsAnyway())
+      timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
   });
   return () => {
     stop();
     window.clearTimeout(timer);
   };
+}
+
+/** Whether the rules have no errors, and their profile all that rates need; null while nobody knows. */
+function canCompute({ errors, profile, surroundings }: RuleEditor): boolean | null {
+  if (errors.value.length > 0 || !/^\s*budget_kb_per_s\s*=/m.test(profile.value?.text ?? "")) return false;
+  if (!surroundings.isKnown.value) return null;
+  return !surroundings.findings.value.some(({ code }) => LACKING.has(code));
 }
 
 /** How much of the budget the rules take where they take most, and the way to what would make them fit. */

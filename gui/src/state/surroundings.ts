@@ -11,8 +11,9 @@ const UNKNOWN = "absent-from-bag";
 /** What is found beside the text: on the budget, and on topics that neither robot nor recording nor profile has. */
 export class Surroundings {
   private readonly answer = signal<{ text: string; findings: readonly PlacedFinding[] }>({ text: "", findings: [] });
+  readonly isKnown = computed(() => this.answer.value.text === this.text.value);
   /** Of the text of now; none before they are known. */
-  readonly findings = computed(() => (this.answer.value.text === this.text.value ? this.answer.value.findings : []));
+  readonly findings = computed(() => (this.isKnown.value ? this.answer.value.findings : []));
   /** Gives the topics of the recording of the rules. */
   recordedTopics: () => Promise<readonly string[]> = async () => [];
   private readonly asks: CheckQueue;
