@@ -17,7 +17,7 @@ import msgspec
 
 from smarttestudo.domain.rate import Tier
 from smarttestudo.domain.record import JsonEntry, Mark, derived_entry, json_name, marks
-from smarttestudo.ruler.job import Download, Job, all_jobs
+from smarttestudo.ruler.job import Download, Job, Picture, all_jobs
 from smarttestudo.ruler.problem import ErrorAnswer
 from smarttestudo.ruler.server import live
 
@@ -41,7 +41,7 @@ _WORDS = {
 
 def types_text() -> str:
     """The whole file."""
-    jobs = [job for job in all_jobs() if job.answered not in (bytes, Download)]
+    jobs = [job for job in all_jobs() if job.answered not in (bytes, Download, Picture)]
     asked: list[type] = [live.Watch, *(job.asked for job in jobs if job.asked is not None)]
     writer = _Writer(_reached(asked))
     for root in (*asked, *(job.answered for job in jobs), ErrorAnswer, live.Push):

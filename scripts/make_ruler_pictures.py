@@ -143,7 +143,7 @@ def keep_incident(studio: Studio) -> Page:
     button(page, "Run the rules on it").click()
     page.get_by_role("button", name="Keep it: near miss").first.click(timeout=300_000)
     page.get_by_role("region", name="Incidents being kept").get_by_role("link").click(timeout=300_000)
-    page.get_by_role("figure", name="Rate of /scan").wait_for(timeout=300_000)
+    page.get_by_role("slider", name="Time around the moment (s)").wait_for(timeout=300_000)
     return page
 
 
@@ -152,7 +152,7 @@ def draw_incident(studio: Studio, url: str) -> None:
     page = studio.open_page(height=950)
     with page.expect_response(re.compile("api/background$"), timeout=300_000):
         page.goto(url)
-    page.get_by_role("figure", name="Rate of /scan").wait_for()
+    page.get_by_role("slider", name="Time around the moment (s)").wait_for()
     page.wait_for_timeout(1000)  # the map is drawn over some pictures
     studio.draw(page, "incident")
 
@@ -198,7 +198,7 @@ def send(studio: Studio) -> None:
 def robots(studio: Studio, silent: subprocess.Popen[str]) -> None:
     """Three robots, of which one falls silent and one has no operator."""
     page = studio.open_page(height=420)
-    button(page, "Watch Robots").click()
+    page.get_by_role("link", name="Robots", exact=True).click()
     rows = page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
     rows.nth(2).wait_for(timeout=120_000)
     rows.filter(has_text=re.compile(r"ada.*(not the limit|[^.]\d\d KB/s), round trip.*\d+ ms /")).wait_for(

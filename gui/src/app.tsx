@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Signal } from "@preact/signals";
+import { type Signal, useSignalEffect } from "@preact/signals";
 import type { ComponentType } from "preact";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { type Api, refusalOf } from "./api/client";
@@ -19,6 +19,7 @@ import { ServerGone, useReturn, useRobot, WatchNotice } from "./ui/connection";
 import { useDroppedFile } from "./ui/files";
 import { type Later, later } from "./ui/later";
 import { Notice } from "./ui/notice";
+import { Rail } from "./ui/rail";
 import { useWindowEvent } from "./ui/watch";
 
 // The heavy parts (Blockly, CodeMirror, plots) load with the page that needs them.
@@ -32,6 +33,7 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
   tour: later(async () => (await import("./tour/tour_page")).TourPage),
   robots: later(async () => (await import("./pages/robots")).RobotsPage),
   incidents: later(async () => (await import("./pages/incidents")).IncidentsPage),
+  recordings: later(async () => (await import("./pages/recordings")).RecordingsPage),
 };
 
 /** The pages that do something with a file that is dropped on them. */
@@ -77,11 +79,14 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
   useEffect(() => void keptIncidents.follow(), []);
+  const { alarm, returns } = useRobot();
+  useSignalEffect(() => {
+    document.title = alarm.value ? `✕ ${alarm.value} · ADIRF Ruler` : "ADIRF Ruler";
+  });
   /** A file that was dropped where nothing takes one. */
   const [dropped, setDropped] = useState("");
   useDroppedFile((file) => setDropped(TAKE_FILES.has(route.page) ? "" : file.name));
   useReturn(() => Promise.all([refresh(), keptIncidents.follow()]));
-  const { returns } = useRobot();
   if (problem && project === null)
     return <Notice kind="error" text={problem} action={{ label: "Try again", act: refresh }} />;
   if (project === null || editors === null) return <p class="quiet center">Opening the project …</p>;
@@ -90,6 +95,12 @@ export function App({ api }: { api: Api }) {
   const anew = ["home", "rules", "topics"].includes(route.page) ? 0 : returns.value;
   return (
     <>
+      <Button
+        label="Skip to the content"
+        class="skip"
+        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
+      />
+      <Rail {...{ route, project }} />
       <ServerGone />
       <WatchNotice />
       <KeptIncidentsBar keptIncidents={keptIncidents} />
@@ -101,11 +112,6 @@ export function App({ api }: { api: Api }) {
           action={{ label: "Close", act: () => setDropped("") }}
         />
       )}
-      <Button
-        label="Skip to the content"
-        class="skip"
-        onClick={() => document.querySelector<HTMLElement>("h1")?.focus()}
-      />
       {route.page === "home" ? (
         <HomePage {...props} missing={missing} />
       ) : (

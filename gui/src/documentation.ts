@@ -12,8 +12,14 @@ const PLACES: Record<Route["page"], string> = {
   topics: "ruler/levels.html",
   robots: "ruler/robot.html#all-robots",
   incidents: "ruler/incidents.html",
+  recordings: "ruler/files.html",
   tour: "ruler.html#five-minutes-on-the-page",
 };
+
+/** What the documentation has of a page. */
+export function documentationHref(page: Route["page"]): string {
+  return ROOT + PLACES[page];
+}
 
 /** Opens the documentation at `place`, else at what it has of the page that is open. */
 export function openDocumentation(place = PLACES[readRoute().page]): void {

@@ -3,7 +3,7 @@
 
 /** Which page the address names. */
 export interface Route {
-  page: "home" | "rules" | "topics" | "robots" | "incidents" | "tour";
+  page: "home" | "rules" | "topics" | "robots" | "incidents" | "recordings" | "tour";
   name: string;
   /** The node of the robot that is to be shown beside the rules. */
   robot?: string;
@@ -17,7 +17,7 @@ export interface Route {
 const BESIDES = ["robot", "rules", "line"] as const;
 /** What a table of topic parameters is called before somebody names it. */
 export const NEW_PROFILE = "profile.toml";
-const PAGES = new Set(["rules", "topics", "robots", "incidents", "tour"]);
+const PAGES = new Set(["rules", "topics", "robots", "incidents", "recordings", "tour"]);
 
 export function readRoute(): Route {
   const [path = "", query = ""] = location.hash.split("?");

@@ -25,28 +25,28 @@ RULE = """\
     [
         pytest.param(
             f"begin\n    SetFrequency /odom 4  // the map\n\n{RULE}end\n",
-            f"begin\n    SetFrequency /odom 4  // the map\n    SetFrequency /scan Full\n\n{RULE}end\n",
+            f"begin\n    SetFrequency /odom 4  // the map\n    SetFrequency /scan 1\n\n{RULE}end\n",
             id="behind the last default, whose comment stays with it",
         ),
         pytest.param(
             f"// Rules\nbegin  // of the dock\n{RULE}end\n",
-            f"// Rules\nbegin  // of the dock\n    SetFrequency /scan Full\n{RULE}end\n",
+            f"// Rules\nbegin  // of the dock\n    SetFrequency /scan 1\n{RULE}end\n",
             id="before the first rule and its comment",
         ),
         pytest.param(
             "begin SetFrequency /odom 4 If CheckValue /odom pose_x > 5 Then SetFrequency /scan 3 end",
-            "begin SetFrequency /odom 4 SetFrequency /scan Full"
+            "begin SetFrequency /odom 4 SetFrequency /scan 1"
             " If CheckValue /odom pose_x > 5 Then SetFrequency /scan 3 end",
             id="on the one line that there is",
         ),
         pytest.param(
             "begin If CheckValue /odom pose_x > 5 Then SetFrequency /scan 3 end",
-            "begin SetFrequency /scan Full If CheckValue /odom pose_x > 5 Then SetFrequency /scan 3 end",
+            "begin SetFrequency /scan 1 If CheckValue /odom pose_x > 5 Then SetFrequency /scan 3 end",
             id="before the one rule on the one line",
         ),
         pytest.param(
             f"begin\n    KeepAtLeast /odom 1\nend\nbegin\n{RULE}end\n",
-            f"begin\n    KeepAtLeast /odom 1\n    SetFrequency /scan Full\nend\nbegin\n{RULE}end\n",
+            f"begin\n    KeepAtLeast /odom 1\n    SetFrequency /scan 1\nend\nbegin\n{RULE}end\n",
             id="in the collection with defaults",
         ),
     ],
@@ -54,7 +54,7 @@ RULE = """\
 def test_a_default_is_added_where_defaults_stand(text: str, mended: str) -> None:
     finding = _finding(text, "missing-default")
     assert finding.fix is not None
-    assert finding.fix.title == "add SetFrequency /scan Full"
+    assert finding.fix.title == "add SetFrequency /scan 1"
     assert applied(text, finding) == mended
     assert "missing-default" not in {one.code for one in findings_of(mended)}
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from language.rule_strategies import rule_files
 from language.written_rules import WrittenFile, written_files
 from ruler.ruler_server import EXAMPLES
-from smarttestudo.editing.difference import differences, mean_the_same
+from smarttestudo.editing.difference import differences, differing_blocks, mean_the_same
 from smarttestudo.language.formatter import format_file, format_rules
 from smarttestudo.language.parser import ParseResult, parse
 from smarttestudo.language.syntax import Block, RuleFile, SetFrequency, Statement
@@ -47,6 +47,22 @@ WAREHOUSE = (EXAMPLES / "warehouse.adirf").read_text(encoding="utf-8")
 def test_a_change_is_one_sentence_and_a_moved_line_none(before: str, after: str, said: list[str]) -> None:
     new = WAREHOUSE.replace(before, after, 1)
     assert list(differences(parse(WAREHOUSE, "before"), parse(new, "after"))) == said
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "differing"),
+    [
+        ("pose_y < 5.4", "pose_y < 5.5", (0,)),
+        ('"Scaffolding"', '"Tower"', (1,)),
+        ('Rule "Scaffolding"', 'Disabled Rule "Scaffolding"', (1,)),
+        ("SetFrequency /odom 10\n", "SetFrequency /odom Full // all\n\n", ()),
+    ],
+)
+def test_blocks_that_differ_are_known_by_their_numbers(
+    before: str, after: str, differing: tuple[int, ...]
+) -> None:
+    new = WAREHOUSE.replace(before, after, 1)
+    assert differing_blocks(parse(WAREHOUSE, "before"), parse(new, "after")) == differing
 
 
 @pytest.mark.parametrize(

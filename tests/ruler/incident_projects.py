@@ -4,9 +4,24 @@
 
 from __future__ import annotations
 
+import io
 from pathlib import Path
+from typing import Any
 
-from bags.bag_factory import START_NS, BagContent, small_mission, write_bag
+import numpy as np
+from PIL import Image
+
+from bags.bag_factory import (
+    BEST_EFFORT,
+    START_NS,
+    BagContent,
+    BagMessage,
+    BagTopic,
+    cdr,
+    message_of,
+    small_mission,
+    write_bag,
+)
 from smarttestudo.cli.main import main
 
 MISSION: BagContent = small_mission(10.0)
@@ -48,3 +63,64 @@ def add_bad_incidents(folder: Path) -> None:
     ):
         (folder / "incidents" / name).mkdir()
         (folder / "incidents" / name / "incident.json").write_text(text)
+
+
+COMPRESSED, RAW = "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/Image"
+FRAME_NS = 200_000_000
+CAMERA_INCIDENT = "seen/20231114T221323120Z-seen"
+_SEEN = """\
+begin
+    SetFrequency /odom 5
+    Rule "Seen"
+    If CheckValue /odom pose_y > 3.1
+    Then
+        Record "seen" Before 8 s After 8 s
+    EndIf
+end
+"""
+
+
+def grey(frame: int) -> int:
+    """How bright that frame of a camera is."""
+    return 5 * frame
+
+
+def jpeg(frame: int) -> bytes:
+    file = io.BytesIO()
+    Image.new("RGB", (64, 48), (grey(frame),) * 3).save(file, "JPEG")
+    return file.getvalue()
+
+
+def compressed(format_: str, data: bytes) -> Any:
+    return message_of(COMPRESSED, format=format_, data=np.frombuffer(data, np.uint8))
+
+
+def raw(encoding: str, data: bytes, *, width: int = 2, height: int = 1, step: int) -> Any:
+    pixels = np.frombuffer(data, np.uint8)
+    return message_of(RAW, encoding=encoding, width=width, height=height, step=step, data=pixels)
+
+
+def write_camera_incident(folder: Path, more: dict[str, tuple[str, Any]] | None = None) -> None:
+    """As ``write_incidents``, of a robot with a camera of 5 Hz, and one message of each topic of ``more``."""
+    folder.mkdir(exist_ok=True)
+    frames = [
+        BagMessage(
+            "/camera/compressed", START_NS + at * FRAME_NS, cdr(COMPRESSED, compressed("jpeg", jpeg(at)))
+        )
+        for at in range(50)
+    ]
+    others = {
+        topic: (kind, BagMessage(topic, START_NS, cdr(kind, one)))
+        for topic, (kind, one) in (more or {}).items()
+    }
+    mission = small_mission(10.0)
+    topics = [BagTopic("/camera/compressed", COMPRESSED, (BEST_EFFORT,))]
+    topics += [BagTopic(topic, kind, (BEST_EFFORT,)) for topic, (kind, _) in others.items()]
+    messages = [*mission.messages, *frames, *(message for _, message in others.values())]
+    content = BagContent((*mission.topics, *topics), tuple(sorted(messages, key=lambda one: one.stamp_ns)))
+    write_bag(folder / "tuesday", content)
+    recorded = "".join(f" {topic}" for topic in ("/odom", "/map_name", *(one.name for one in topics)))
+    (folder / "seen.adirf").write_text(_SEEN.replace('"seen"', f'"seen"{recorded}'))
+    received = folder.parent / "received_too"
+    arguments = ["replay", str(folder / "tuesday"), "--rules", str(folder / "seen.adirf")]
+    assert main([*arguments, "--output", str(received), "--incidents", str(folder / "seen")]) == 0

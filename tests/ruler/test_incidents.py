@@ -13,17 +13,28 @@ from urllib.parse import quote
 from zipfile import ZipFile
 
 import pytest
+from PIL import Image
 
+from bags.bag_factory import message_of
 from bags.bag_reading import read_bag
 from ruler.incident_projects import (
     ALL_OF_IT,
+    CAMERA_INCIDENT,
+    COMPRESSED,
     NEAR_MISS,
+    RAW,
     RULES,
     TRIGGER_NS,
     add_bad_incidents,
+    compressed,
+    jpeg,
+    raw,
+    write_camera_incident,
     write_incidents,
 )
 from ruler.ruler_server import Answer, Page, served
+from smarttestudo.ruler.files.project_folder import ProjectFolder
+from smarttestudo.ruler.incidents import incidents
 
 WINDOW_START_NS = TRIGGER_NS - 3_000_000_000
 
@@ -136,36 +147,86 @@ def test_another_text_of_the_rule_file_is_said(page: Page, folder: Path) -> None
     assert (answer["rule_file"], answer["is_same_text"]) == (None, False)
 
 
-def test_the_rates_around_the_moment_count_every_message_of_the_window(page: Page, folder: Path) -> None:
+def test_the_course_says_when_the_moment_was_and_where_the_robot_was(page: Page) -> None:
     course = page.post("/api/incident/course", {"name": NEAR_MISS}).json
-    assert (course["duration_s"], course["trigger_s"]) == (5, 3)
-    assert (course["bin_s"], course["first_bin_s"]) == (1, 0)
-    rates = {one["topic"]: one["hz_bins"] for one in course["topics"]}
-    messages = read_bag(folder / NEAR_MISS).messages
-    for topic in ("/odom", "/gripper"):
-        stamps = [one.stamp_ns for one in messages if one.topic == topic]
-        assert rates[topic] == [
-            sum(
-                second <= (stamp_ns - WINDOW_START_NS) / 1e9 < second + 1
-                or (second == 4 and stamp_ns == WINDOW_START_NS + 5_000_000_000)
-                for stamp_ns in stamps
-            )
-            for second in range(5)
-        ]
-    # What came before the window is in it, but did not come in it.
-    assert sum(rates["/map_name"]) == 0
+    assert (course["duration_s"], course["trigger_s"], course["cameras"]) == (5, 3, [])
     at_moment = [y for t, _, y in course["path"] if abs(t - 3) < 0.1]
     assert at_moment == [pytest.approx(5.04, abs=0.11)]
 
 
-def test_a_bin_begins_at_the_moment_and_what_nobody_heard_is_unknown(page: Page) -> None:
-    course = page.post("/api/incident/course", {"name": ALL_OF_IT}).json
-    assert (course["trigger_s"], course["bin_s"], course["first_bin_s"]) == (0.5, 1, -0.5)
-    (rates,) = (one["hz_bins"] for one in course["topics"] if one["topic"] == "/odom")
-    assert len(rates) == 61
-    # The recording ends 4.92 s after the moment; half of the first bin is before the window.
-    assert rates[:6] == [pytest.approx(25, abs=2.1)] * 6
-    assert rates[6:] == [None] * 55
+def test_the_values_of_a_check_are_on_the_axis_of_the_incident(page: Page) -> None:
+    check = {"kind": "check", "topic": "/odom", "property": "pose_y", "op": ">", "value": 5}
+    for name, duration_s, trigger_s in ((NEAR_MISS, 5, 3), (ALL_OF_IT, 60.5, 0.5)):
+        course = page.post("/api/check/course", {"bag": name, "condition": check}).json
+        assert course["duration_s"] == duration_s
+        held_from_s = next(t for t, truth in course["check"]["turns"] if truth == "true")
+        assert held_from_s == pytest.approx(trigger_s, abs=1e-6)
+
+
+def frame(page: Page, topic: str, number: int | str = 0, name: str = CAMERA_INCIDENT) -> Answer:
+    return page.get(f"/api/incident/frame?name={quote(name)}&topic={quote(topic)}&number={number}")
+
+
+def test_frames_that_the_incident_kept_are_sent_one_at_a_time(page: Page, folder: Path) -> None:
+    write_camera_incident(folder)
+    (camera,) = page.post("/api/incident/course", {"name": CAMERA_INCIDENT}).json["cameras"]
+    assert camera["topic"] == "/camera/compressed"
+    assert camera["numbers"] == list(range(50))
+    first_s = camera["times_s"][0]
+    assert camera["times_s"] == [pytest.approx(first_s + 0.2 * number) for number in range(50)]
+    for number in (0, 7, 49):
+        answer = frame(page, "/camera/compressed", number)
+        assert answer.body == jpeg(number)
+        assert answer.headers["content-type"] == "image/jpeg"
+        assert answer.headers["x-content-type-options"] == "nosniff"
+        assert answer.headers["content-security-policy"].startswith("default-src 'none'")
+
+
+def test_of_many_frames_every_second_or_third_is_listed(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_camera_incident(folder)
+    monkeypatch.setattr(incidents, "MAX_FRAMES", 20)
+    request = incidents.IncidentCourseRequest(name=CAMERA_INCIDENT)
+    course = incidents.incident_course(request, ProjectFolder(folder), lambda _: None)
+    (camera,) = course.cameras
+    assert camera.numbers == tuple(range(0, 50, 3))
+
+
+PIXELS = {
+    "rgb8": (raw("rgb8", bytes([1, 2, 3, 4, 5, 6, 0, 0]), step=8), [(1, 2, 3), (4, 5, 6)]),
+    "bgr8": (raw("bgr8", bytes([3, 2, 1, 6, 5, 4]), step=6), [(1, 2, 3), (4, 5, 6)]),
+    "mono8": (raw("mono8", bytes([7, 9]), step=2), [7, 9]),
+}
+
+
+def test_raw_frames_come_as_png(page: Page, folder: Path) -> None:
+    write_camera_incident(folder, {f"/{name}": (RAW, message) for name, (message, _) in PIXELS.items()})
+    for name, (_, pixels) in PIXELS.items():
+        answer = frame(page, f"/{name}")
+        assert answer.headers["content-type"] == "image/png"
+        with Image.open(io.BytesIO(answer.body)) as image:
+            assert [image.getpixel((x, 0)) for x in range(2)] == pixels
+
+
+NO_FRAMES = {
+    "depth": (RAW, raw("16UC1", bytes(4), step=4), "its frames are 16UC1, not rgb8, bgr8 or mono8"),
+    "cut": (RAW, raw("rgb8", bytes(5), step=6), "a frame has fewer bytes than its size says"),
+    "narrow": (RAW, raw("rgb8", bytes(6), step=3), "a frame has fewer bytes than its size says"),
+    "coded": (COMPRESSED, compressed("h264", b"\0\0\0\1g"), "its frames are h264, not JPEG or PNG"),
+    "script": (COMPRESSED, compressed("jpeg", b"<script>"), "its frames are jpeg, not JPEG or PNG"),
+    "none": ("std_msgs/msg/String", message_of("std_msgs/msg/String"), "no picture, but std_msgs/msg/String"),
+}
+
+
+def test_what_is_no_frame_for_a_browser_is_said(page: Page, folder: Path) -> None:
+    write_camera_incident(folder, {f"/{name}": (kind, one) for name, (kind, one, _) in NO_FRAMES.items()})
+    for name, (_, _, words) in NO_FRAMES.items():
+        answer = frame(page, f"/{name}")
+        assert (answer.status, answer.headers["content-type"]) == (422, "application/json")
+        assert words in answer.error
+    for number in ("-1", "50", "x", "", "9" * 30, "٣"):
+        assert frame(page, "/camera/compressed", quote(number)).status == 422
 
 
 def test_messages_that_are_gone_cost_the_course_only(page: Page, folder: Path) -> None:
@@ -241,9 +302,10 @@ def test_nothing_else_is_opened_saved_or_deleted(page: Page, folder: Path, name:
     answers = [
         opened(page, name),
         zipped(page, name),
+        frame(page, "/odom", name=name),
         *(page.post(f"/api/incident/{what}", {"name": name}) for what in ("delete", "course")),
     ]
-    assert [answer.status for answer in answers] == [status] * 4
+    assert [answer.status for answer in answers] == [status] * 5
     assert all(str(folder).encode() not in answer.body for answer in answers)
     assert sorted(folder.parent.rglob("*")) == before
 

@@ -70,13 +70,10 @@ def asked(page: Page, name: str = "patrol.adirf") -> object:
 
 def test_what_was_chosen_for_rules_is_there_for_everybody(project: Path) -> None:
     with served(project) as page, served(project) as other:
-        page.put("/api/project/settings", {"saves_by_itself": True})
         for wanted in ("b.toml", None, "a.toml"):
             answer = page.put("/api/profile/for", {"name": "patrol.adirf", "profile": wanted})
             assert (answer.status, asked(other)) == (200, {"name": wanted, "gone": None})
-        assert other.get("/api/project").json["saves_by_itself"] is True
         assert asked(page, "other.adirf") == {"name": "b.toml", "gone": None}
-        other.put("/api/project/settings", {"saves_by_itself": False})
         assert asked(page) == {"name": "a.toml", "gone": None}
 
 

@@ -86,20 +86,6 @@ def test_the_last_fifty_versions_are_kept(folder: Path) -> None:
     assert [store.text("zones/a.adirf", versions[place].id) for place in (0, -1)] == ["// 54\n", "// 5\n"]
 
 
-def test_what_is_saved_by_itself_makes_one_version_in_five_minutes(folder: Path) -> None:
-    store = VersionStore(ProjectFolder(folder))
-    for minute, by_itself in ((0, False), (1, True), (2, True), (4, True), (5, True), (6, False), (7, True)):
-        store.keep("zones/a.adirf", f"// {minute}\n", START_MS + minute * MINUTE_MS, by_itself=by_itself)
-    found = [(store.text("zones/a.adirf", one.id), one.by_itself) for one in store.versions("zones/a.adirf")]
-    assert found == [
-        ("// 7\n", True),
-        ("// 6\n", False),
-        ("// 5\n", True),
-        ("// 4\n", True),
-        ("// 0\n", False),
-    ]
-
-
 def test_a_clock_that_was_set_back_keeps_the_order(folder: Path) -> None:
     store = VersionStore(ProjectFolder(folder))
     store.keep("zones/a.adirf", "// first\n", START_MS)
@@ -167,15 +153,6 @@ def test_a_link_among_the_versions_is_no_version(folder: Path, tmp_path: Path) -
     assert len(store.versions("zones/a.adirf")) == 1
     with pytest.raises(ForbiddenPathError):
         store.text("zones/a.adirf", "20300101T000000000Z")
-
-
-def test_the_setting_of_a_project_is_there_for_everybody(page: Page, folder: Path) -> None:
-    assert page.get("/api/project").json["saves_by_itself"] is False
-    assert page.put("/api/project/settings", {"saves_by_itself": True}).json["saves_by_itself"] is True
-    with served(folder) as other:
-        assert other.get("/api/project").json["saves_by_itself"] is True
-    (folder / ".testudo" / "settings.json").write_text("[nonsense")
-    assert page.get("/api/project").json["saves_by_itself"] is False
 
 
 def _save(page: Page, text: str) -> None:

@@ -69,6 +69,14 @@ export class Api {
     return answer as Routes[R]["answered"];
   }
 
+  /** Why there is nothing to show at an address, in words; empty where there is. */
+  async problemAt(address: string): Promise<string> {
+    return refusalOf(async () => {
+      const response = await send("GET", address, undefined, {});
+      if (!response.ok) throw new ApiError(response.status, (await response.json()).error);
+    });
+  }
+
   project(): Answer<"GET /api/project"> {
     return this.ask("GET /api/project", null);
   }
@@ -82,9 +90,8 @@ export class Api {
     return this.ask("GET /api/file/state", null, { name });
   }
 
-  /** `byItself` is whether nobody asked for it. */
-  save(name: string, text: string, baseHash: string | null, byItself = false): Answer<"PUT /api/file"> {
-    return this.ask("PUT /api/file", { name, text, base_hash: baseHash, by_itself: byItself });
+  save(name: string, text: string, baseHash: string | null): Answer<"PUT /api/file"> {
+    return this.ask("PUT /api/file", { name, text, base_hash: baseHash });
   }
 
   /** What was saved of a rule file, the newest first. */

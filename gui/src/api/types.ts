@@ -164,6 +164,13 @@ export interface CallStatement {
   argument?: boolean | null;
 }
 
+/** The frames of a camera's topic, at most 300: when each arrived, and its number in the incident. */
+export interface CameraFrames {
+  topic: string;
+  times_s: number[];
+  numbers: number[];
+}
+
 /** `CheckValue topic property op value [Until op value]`; `op` is one of `> < >= <= = !=`. */
 export interface CheckCondition {
   kind: "check";
@@ -179,6 +186,7 @@ export interface CheckCondition {
 /**
  * The values of a check's property in bins of `bin_s`, and what held when; times are since the start.
  *
+ * Of an incident that is the start of its window, and `duration_s` is as long as that.
  * `least` and `greatest` are those that the check met in each bin, null where it was unknown
  * throughout. Of one that compares with no number, `words` say what it read from when on, null where that
  * was unknown. `check` and `condition` say what each turned to when; all these turn at most 2000 times.
@@ -575,16 +583,13 @@ export interface IncidentAnswer {
 /**
  * Content of an incident over time, in seconds since the window's start; the trigger is at `trigger_s`.
  *
- * Bins are `bin_s` long, the first begins at `first_bin_s`, 0 or less, and one begins at the trigger.
  * `path` is `[seconds, x, y]` in metres where a topic says where the robot was. `notices` say what
  * could not be read.
  */
 export interface IncidentCourse {
   duration_s: number;
   trigger_s: number;
-  bin_s: number;
-  first_bin_s: number;
-  topics: TopicRates[];
+  cameras: CameraFrames[];
   path: [number, number, number][];
   notices: string[];
 }
@@ -888,6 +893,12 @@ export interface MeasureLiveRequest {
   run?: string;
 }
 
+/** A bag to be measured; `run` names the job in `Progress` messages of `/ws`. */
+export interface MeasureRequest {
+  bag: string;
+  run?: string;
+}
+
 /** Messages of `topic` that are not there, between two stamps; `messages` is `None` if unknown. */
 export interface Missing {
   topic: string;
@@ -964,12 +975,6 @@ export interface NotifyStatement {
 export interface OffRate {
   kind: "off";
   value?: null;
-}
-
-/** The topic whose last message was the oldest when it arrived at the operator. */
-export interface OldestTopic {
-  topic: string;
-  age_ms: number;
 }
 
 /** An incident by its name in the project. */
@@ -1187,7 +1192,6 @@ export interface Progress {
  *
  * A bag is named by its folder, or by its file where it has no metadata. `ros` is whether the server can
  * reach ROS 2; `version` is that of SmartTestudo. `root_hash` tells folders of one name apart.
- * `saves_by_itself` is whether the page saves what was changed without being asked.
  */
 export interface Project {
   root_name: string;
@@ -1197,7 +1201,6 @@ export interface Project {
   version: string;
   ros: boolean;
   has_more: boolean;
-  saves_by_itself: boolean;
 }
 
 /**
@@ -1241,7 +1244,8 @@ export interface PushAnswer {
  * Changes that a push would make, in sentences; `same` if the rules mean the same to the robot.
  *
  * `text_to_send` has numbers in the place of quality levels, since a robot may have no profile; `hash`
- * is its SHA-256. `robot_hash` is that of what the robot follows now.
+ * is its SHA-256. `robot_hash` is that of what the robot follows now. `differing_rules` are the numbers,
+ * from 0 in the order of the text, of the rules that it does not follow as they are.
  */
 export interface PushPreview {
   differences: string[];
@@ -1249,6 +1253,7 @@ export interface PushPreview {
   hash: string;
   robot_hash: string;
   text_to_send: string;
+  differing_rules: number[];
 }
 
 /** Rules for a robot; those with errors are refused (409 with findings). */
@@ -1495,6 +1500,11 @@ export interface RobotIncidentsAnswer {
   robots: IncidentsOfRobot[];
 }
 
+/** The robot that is known no more, until it is heard again. */
+export interface RobotRemoved {
+  node: string;
+}
+
 /** A robot by its node. */
 export interface RobotRequest {
   node: string;
@@ -1511,8 +1521,7 @@ export interface RobotStartAnswer {
  * One robot of a list; `label` is what people call it, `health` null where all is well.
  *
  * `is_heard` is false once it has been silent for longer than it should be; `heard_s_ago` is the time
- * since its last status. `topics` are counted. `lost` counts messages that overflowed on the link, of
- * all topics that lost some within the last minute.
+ * since its last status. `topics` are counted, `recorded` the incidents on its disk since it started.
  */
 export interface RobotSummary {
   node: string;
@@ -1525,8 +1534,7 @@ export interface RobotSummary {
   budget_kb_per_s: number | null;
   out_kb_per_s: number;
   link: LinkState | null;
-  lost: number;
-  oldest: OldestTopic | null;
+  recorded: number;
 }
 
 /**
@@ -1575,7 +1583,7 @@ export interface RuleStatement {
 }
 
 /**
- * One version; `saved_at_ms` counts since 1970, `by_itself` is whether nobody asked the page to save.
+ * One version; `saved_at_ms` counts since 1970.
  *
  * `changes` is what a robot does otherwise than with the version before: empty where only comments or
  * layout differ, null where none is before it or it was not compared. `parses` is whether it is without
@@ -1584,7 +1592,6 @@ export interface RuleStatement {
 export interface RuleVersion {
   id: string;
   saved_at_ms: number;
-  by_itself: boolean;
   size_bytes: number;
   changes: string[] | null;
   parses: boolean | null;
@@ -1664,16 +1671,11 @@ export interface SaveAnswer {
   note: string;
 }
 
-/**
- * A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet.
- *
- * `by_itself` is whether nobody asked the page to save.
- */
+/** A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet. */
 export interface SaveRequest {
   name: string;
   text: string;
   base_hash?: string | null;
-  by_itself?: boolean;
 }
 
 /** `SetFrequency topic rate [margin]`: a default, or in a rule, without `id` and `key`. */
@@ -1688,11 +1690,6 @@ export interface SetStatement {
   topic: string;
   rate: Rate;
   margin?: MarginValue | null;
-}
-
-/** Settings for everybody who opens the project. */
-export interface SettingsRequest {
-  saves_by_itself: boolean;
 }
 
 /** How much a finding matters; only errors stop a file from being used. */
@@ -1749,6 +1746,20 @@ export interface Substitute {
   offset: number;
   end_offset: number;
   replacement: string;
+}
+
+/** More findings on a draft; none for one with errors. */
+export interface SurroundingsAnswer {
+  findings: PlacedFinding[];
+}
+
+/** A draft; `recorded_topics` are those of the recording that goes with it. */
+export interface SurroundingsRequest {
+  text: string;
+  name?: string;
+  profile_text?: string | null;
+  profile_name?: string;
+  recorded_topics?: string[];
 }
 
 /** One text. */
@@ -1837,12 +1848,6 @@ export interface TopicOutcome {
   declared: boolean;
   frames: number | null;
   bounds?: Record<string, BoundRecord[]>;
-}
-
-/** Messages a second of a topic, bin by bin; null where less than half of one is known. */
-export interface TopicRates {
-  topic: string;
-  hz_bins: (number | null)[];
 }
 
 /** Source of a topic's name; the value is its name in JSON, the order that of trust. */
@@ -2188,12 +2193,11 @@ export interface Routes {
   "POST /api/profile/for": { asked: ProfileForRequest; answered: ProfileForAnswer };
   "PUT /api/profile/for": { asked: ProfileChosenRequest; answered: ProfileForAnswer };
   "POST /api/profile/levels": { asked: LevelsRequest; answered: LevelsAnswer };
-  "POST /api/profile/measure": { asked: BagRequest; answered: TextAnswer };
+  "POST /api/profile/measure": { asked: MeasureRequest; answered: TextAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
   "GET /api/project": { asked: null; answered: Project };
-  "PUT /api/project/settings": { asked: SettingsRequest; answered: Project };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };
   "POST /api/push/confirm": { asked: PushedRequest; answered: ConfirmAnswer };
   "POST /api/push/lasting": { asked: RobotRequest; answered: LastingAnswer };
@@ -2208,7 +2212,9 @@ export interface Routes {
   "GET /api/robot-incidents/fetches": { asked: null; answered: FetchesAnswer };
   "POST /api/robot/checks": { asked: RobotChecksRequest; answered: RobotChecksAnswer };
   "POST /api/robot/history": { asked: RobotRequest; answered: RobotHistoryAnswer };
+  "POST /api/robot/remove": { asked: RobotRequest; answered: RobotRemoved };
   "POST /api/robot/start": { asked: RobotRequest; answered: RobotStartAnswer };
+  "POST /api/surroundings": { asked: SurroundingsRequest; answered: SurroundingsAnswer };
   "POST /api/try": { asked: TryRequest; answered: TryAnswer };
   "POST /api/try/headline": { asked: TryRequest; answered: TriedRecording };
   "POST /api/try/keep": { asked: KeepRequest; answered: KeepsAnswer };

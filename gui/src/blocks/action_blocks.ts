@@ -13,6 +13,8 @@ import {
   numberField,
   PLUS,
   propertyField,
+  quietButton,
+  quietWords,
   SLOPE,
   SuggestionField,
   type Suggestions,
@@ -53,7 +55,7 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
   const define = (type: string, init: Init, more: object = {}) => {
     Blockly.Blocks[type] = { init, ...more };
   };
-  const removeButton = (label: string) => button(MINUS, label, remove);
+  const removeButton = (label: string) => quietButton(MINUS, label, remove);
   const topicsToSend = (label: string) => topicField(suggest, label, () => suggest.patternChoices());
 
   define(
@@ -66,7 +68,7 @@ export function defineActionBlocks(suggest: Suggestions, remove: Remove): void {
         .appendField("to")
         .appendField(rateField(suggest, unit), "RATE")
         .appendField(unit, "UNIT")
-        .appendField(button(SLOPE, "Let a value set the rate", addMargin))
+        .appendField(quietButton(SLOPE, "Let a value set the rate", addMargin))
         .appendField(removeButton("Remove this rate"));
       chain(this, ACTION, "rate");
       this.setTooltip("Relays the topic at this rate. Inside a rule: while the rule's condition holds.");
@@ -195,13 +197,13 @@ export function appendAdders(head: Blockly.Input, part: string, ofPart: string, 
   };
   head
     .appendField(button(PLUS, `Add rate${ofPart}`, (block) => buttons.addRate(block, part)))
-    .appendField("rate")
-    .appendField(button(PLUS, `Add bound${ofPart}`, (block) => buttons.addBound(block, part)))
-    .appendField("bound")
-    .appendField(button(PLUS, `Add recording${ofPart}`, (block) => buttons.addRecord(block, part)))
-    .appendField("recording")
-    .appendField(button(PLUS, `Add action${ofPart}`, chooseAct))
-    .appendField("action");
+    .appendField(quietWords("rate"))
+    .appendField(quietButton(PLUS, `Add bound${ofPart}`, (block) => buttons.addBound(block, part)))
+    .appendField(quietWords("bound"))
+    .appendField(quietButton(PLUS, `Add recording${ofPart}`, (block) => buttons.addRecord(block, part)))
+    .appendField(quietWords("recording"))
+    .appendField(quietButton(PLUS, `Add action${ofPart}`, chooseAct))
+    .appendField(quietWords("action"));
 }
 
 const NEW_MARGIN: Readonly<Record<string, unknown>> = { FROM: 3, TO: 0.5 };

@@ -1,13 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { Action, CheckCondition, PlacedFinding, Statement, Truth } from "../api/types";
-import { checksOf } from "../state/statements";
+import type { Truth } from "../api/types";
 import { readable, valueText } from "../ui/numbers";
-import { ACTION_TYPES } from "./action_model";
 import type { CheckState, RuleState, TimeState } from "./live_states";
 import { FOLDED, stacked, type TimePart, timesOn } from "./model";
-import type { Slot } from "./slots";
 
 const GAP = 10;
 const HEIGHT = 32;
@@ -20,7 +17,7 @@ type UnitOf = (check: Blockly.Block) => string;
 
 /** What a badge says, and in which colour. */
 interface Badge {
-  look: Truth;
+  look: Truth | "other";
   words: string;
 }
 interface Drawn extends Badge {
@@ -35,9 +32,11 @@ interface Drawn extends Badge {
 export class Badges {
   private readonly drawn = new Map<Blockly.BlockSvg, Drawn>();
 
-  /** Shows exactly the `states`, by rule block, and touches only what differs from before. */
-  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, unitOf: UnitOf): void {
-    const wanted = new Map<Blockly.BlockSvg, Badge>();
+  /** Shows exactly the `states`, by rule block, and which differ from the robot's; touches only what differs from before. */
+  show(states: ReadonlyMap<Blockly.BlockSvg, RuleState>, differing: readonly Blockly.BlockSvg[], unitOf: UnitOf): void {
+    const wanted = new Map<Blockly.BlockSvg, Badge>(
+      differing.map((block) => [block, { look: "other", words: DIFFERS }]),
+    );
     for (const [rule, state] of states) {
       // A folded rule has no checks to stand beside.
       const badges = rule.type === FOLDED ? new Map() : conditionBadges(rule, state, unitOf);
@@ -108,6 +107,7 @@ function conditionBadges(rule: Blockly.Block, state: RuleState, unitOf: UnitOf):
 
 const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };
 const RULE_WORDS = { true: "✓ holds", false: "✗ does not hold", unknown: "? unknown" };
+const DIFFERS = "● differs from the robot";
 const SIGNS: Record<Truth, string> = { true: "✓", false: "✗", unknown: "?" };
 const IN_MS_BELOW_S = 1;
 const IN_MIN_FROM_S = 120;
@@ -135,66 +135,4 @@ function spell(seconds: number): string {
   if (seconds < IN_MS_BELOW_S) return `${Math.round(seconds * 1000)} ms`;
   if (seconds < IN_MIN_FROM_S) return `${Math.floor(seconds)} s`;
   return `${readable(Math.floor(seconds / 60))} min`;
-}
-
-/** The marks on blocks; a block is touched only where its mark changes. */
-export class Warnings {
-  private shown = new Map<Blockly.BlockSvg, string>();
-
-  /** Shows what findings say on the very blocks that they are about, and `missing` on those that say nothing yet. */
-  show(
-    slots: readonly Slot[],
-    statements: readonly Statement[],
-    findings: readonly PlacedFinding[],
-    missing: ReadonlyMap<Blockly.BlockSvg, string>,
-  ): void {
-    const next = new Map<Blockly.BlockSvg, string>();
-    const add = (block: Blockly.BlockSvg, text: string) => {
-      const before = next.get(block);
-      next.set(block, before === undefined ? text : `${before}\n\n${text}`);
-    };
-    const numbers = new Map(slots.map((slot, index) => [slot.id, index]));
-    for (const finding of findings) {
-      const text = finding.hint ? `${finding.message}\n${finding.hint}` : finding.message;
-      for (const id of [finding.statement, ...finding.related]) {
-        const index = numbers.get(id ?? "");
-        const [slot, statement] = index === undefined ? [] : [slots[index], statements[index]];
-        if (!slot || !statement || slot.block.isDisposed()) continue;
-        add(id === finding.statement ? blockAt(slot.block, statement, finding) : slot.block, text);
-      }
-    }
-    for (const [block, text] of missing) add(block, text);
-    this.replace(next);
-  }
-
-  private replace(next: Map<Blockly.BlockSvg, string>): void {
-    for (const block of this.shown.keys()) {
-      if (!next.has(block) && !block.isDisposed()) take(block);
-    }
-    for (const [block, text] of next) {
-      if (this.shown.get(block) !== text) block.setWarningText(text);
-    }
-    this.shown = next;
-  }
-}
-
-/** Takes the mark off a block, which gets the focus if the mark had it. */
-function take(block: Blockly.BlockSvg): void {
-  const focus = Blockly.getFocusManager();
-  const icon = block.getIcon(Blockly.icons.WarningIcon.TYPE);
-  if (icon && focus.getFocusedNode() === (icon as Blockly.icons.WarningIcon)) focus.focusNode(block);
-  block.setWarningText(null);
-}
-
-/** The check, rate, bound or recording that a finding stands in, else the whole statement. */
-function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedFinding): Blockly.BlockSvg {
-  if (statement.kind !== "rule") return block;
-  const base = statement.offset ?? 0;
-  const [from, to] = [finding.offset - base, finding.end_offset - base];
-  const holds = (part: CheckCondition | Action) => (part.offset ?? 0) <= from && to <= (part.end_offset ?? -1);
-  const inner = block.getDescendants(true) as Blockly.BlockSvg[];
-  const check = checksOf(statement.condition).findIndex(holds);
-  if (check >= 0) return inner.filter(({ type }) => type === "adirf_check")[check] ?? block;
-  const action = [...statement.then, ...statement.else].findIndex(holds);
-  return inner.filter(({ type }) => ACTION_TYPES.has(type))[action] ?? block;
 }

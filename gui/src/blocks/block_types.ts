@@ -10,19 +10,19 @@ import {
   COPY,
   chain,
   comparedField,
-  DOWN,
   MINUS,
-  numberField,
   OPEN,
   operatorField,
   PLUS,
+  priorityField,
   propertyField,
+  quietButton,
+  quietWords,
   SHUT,
   type Suggestions,
   SWITCH,
   textField,
   topicField,
-  UP,
 } from "./fields";
 import { FOLDED, type FoldedRule, type RuleBlock } from "./model";
 import { ruleName, ruleSets } from "./rule_words";
@@ -57,7 +57,7 @@ type Init = (this: Blockly.BlockSvg) => void;
 
 /** Defines every block of the language, once for a page. */
 export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void {
-  const removeButton = (label: string) => button(MINUS, label, (block) => buttons.remove(block));
+  const removeButton = (label: string) => quietButton(MINUS, label, (block) => buttons.remove(block));
   const init = (type: string, define: Init, more: object = {}) => {
     Blockly.Blocks[type] = { init: define, ...more };
   };
@@ -66,8 +66,8 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
   const appendElseButton = (rule: Blockly.BlockSvg) =>
     rule
       .appendDummyInput("TAIL")
-      .appendField("else")
-      .appendField(button(PLUS, "Add ELSE", addElse), "ADD_ELSE");
+      .appendField(quietWords("else"))
+      .appendField(quietButton(PLUS, "Add ELSE", addElse), "ADD_ELSE");
 
   defineActionBlocks(suggest, buttons.remove);
   defineFolded(buttons.toggleFold);
@@ -88,7 +88,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         .appendField(operatorField(), "OP")
         .appendField(comparedField(suggest), "VALUE")
         .appendField(new Blockly.FieldLabel(""), "UNIT")
-        .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
+        .appendField(quietButton(CLOCK, "Add time", chooseTime), "CLOCK")
         .appendField(removeButton("Remove this check"));
       chain(this, CONDITION, "check");
       this.setTooltip(
@@ -110,7 +110,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
           .appendField("", "JOIN")
           .appendField(label)
           .appendField(button(PLUS, "Add check", (block) => buttons.addCheck(block)))
-          .appendField(button(CLOCK, "Add time", chooseTime), "CLOCK")
+          .appendField(quietButton(CLOCK, "Add time", chooseTime), "CLOCK")
           .appendField(removeButton(`Remove this ${label}`));
         this.appendStatementInput("TERMS").setCheck(CONDITION);
         chain(this, CONDITION, "check");
@@ -127,15 +127,12 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         .appendField(button(SHUT, "Fold this rule", buttons.toggleFold), "FOLD")
         .appendField("rule")
         .appendField(textField("", "name of the rule", "name this rule"), "NAME")
-        .appendField("priority")
-        .appendField(numberField("0", "priority of the rule"), "PRIORITY")
+        .appendField(priorityField(), "PRIORITY")
         .appendField(
-          button(SWITCH, SWITCH_OFF, (block) => buttons.act(block, "switch")),
+          quietButton(SWITCH, SWITCH_OFF, (block) => buttons.act(block, "switch")),
           "SWITCH",
         )
-        .appendField(button(COPY, "Duplicate this rule", (block) => buttons.act(block, "duplicate")))
-        .appendField(button(UP, "Move this rule up", (block) => buttons.act(block, "up")))
-        .appendField(button(DOWN, "Move this rule down", (block) => buttons.act(block, "down")))
+        .appendField(quietButton(COPY, "Duplicate this rule", (block) => buttons.act(block, "duplicate")))
         .appendField(removeButton("Remove this rule"));
       this.appendDummyInput()
         .appendField("IF")
@@ -155,7 +152,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
         if (shown) {
           const head = this.appendDummyInput("ELSE_HEAD").appendField("ELSE");
           appendAdders(head, "ELSE", " to ELSE", buttons);
-          head.appendField(button(MINUS, "Remove ELSE", (block) => buttons.toggleElse(block)));
+          head.appendField(quietButton(MINUS, "Remove ELSE", (block) => buttons.toggleElse(block)));
           this.appendStatementInput("ELSE").setCheck(ACTION);
         } else {
           appendElseButton(this);

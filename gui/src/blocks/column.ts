@@ -11,7 +11,8 @@ type Block = Blockly.BlockSvg;
 export const GAP = 18;
 /** The room for the words above a section. */
 export const HEADING = 34;
-const LEFT = 24;
+/** Left of it is the room for marks. */
+const LEFT = 40;
 const GLIDE_MS = 160;
 
 /** What stands around and between the blocks of a part of the text. */

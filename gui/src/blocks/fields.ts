@@ -5,6 +5,7 @@ import { effect } from "@preact/signals";
 import * as Blockly from "blockly/core";
 import type { DurationUnit, Operator } from "../api/types";
 import { Picker, type PickerChoice } from "../ui/picker";
+import { isForFingers } from "../ui/watch";
 import { ComparedField, type DrawValues, NumberField } from "./number_field";
 import { openNext, type QuietField, takeKey } from "./open_field";
 
@@ -58,18 +59,48 @@ export const PLUS = icon("M12 7v10M7 12h10");
 export const MINUS = icon("M7 12h10");
 export const SWITCH = icon("M12 6v6M8.2 8.6a5.6 5.6 0 1 0 7.6 0");
 export const COPY = icon("M7 7h7v7h-7zM10.5 17.5h7v-7");
-export const UP = icon("M12 17V7M8 11l4-4 4 4");
-export const DOWN = icon("M12 7v10M8 13l4 4 4-4");
 export const OPEN = icon("M10 8l4 4-4 4");
 export const SHUT = icon("M8 10l4 4 4-4");
 export const SLOPE = icon("M6 17h3l6-9h3");
 export const CLOCK = icon("M12 5a7 7 0 1 0 .01 0M12 8v4l3 2");
 
+/** In the units of blocks; at the scale for fingers more than 24 px. */
+const [SIZE, SIZE_FOR_FINGERS] = [22, 28];
+
 type Act = (block: Blockly.BlockSvg, field: Blockly.FieldImage) => void;
 
 /** A small picture to press. */
 export function button(src: string, label: string, act: Act): Blockly.FieldImage {
-  return new Blockly.FieldImage(src, 22, 22, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg, field));
+  return new PictureField(src, label, act, false);
+}
+
+/** One that is seen where somebody is at its block: with the mouse over it, or with the focus in it. */
+export function quietButton(src: string, label: string, act: Act): Blockly.FieldImage {
+  return new PictureField(src, label, act, true);
+}
+
+/** Words that are seen as a quiet button is. */
+export function quietWords(words: string): Blockly.FieldLabel {
+  return new Blockly.FieldLabel(words, QUIET);
+}
+
+const QUIET = "quiet-field";
+
+class PictureField extends Blockly.FieldImage {
+  constructor(
+    src: string,
+    label: string,
+    act: Act,
+    private readonly isQuiet: boolean,
+  ) {
+    const size = isForFingers() ? SIZE_FOR_FINGERS : SIZE;
+    super(src, size, size, label, (field) => act(field.getSourceBlock() as Blockly.BlockSvg, field));
+  }
+
+  override initView(): void {
+    super.initView();
+    if (this.isQuiet) this.fieldGroup_?.classList.add(QUIET);
+  }
 }
 
 /** A name of a topic, and of `others` that can stand in its place. */
@@ -124,6 +155,10 @@ export function numberField(value: string, label: string, minimum?: number): Blo
   return new NumberField(value, label, minimum);
 }
 
+export function priorityField(): Blockly.FieldNumber {
+  return new PriorityField("0", "priority of the rule");
+}
+
 /** What a check compares with, beside the words or the values of its property. */
 export function comparedField(suggest: Suggestions): Blockly.FieldNumber {
   const words = (block: Blockly.Block) => suggest.words(textOf(block, "TOPIC"), textOf(block, "PROPERTY"));
@@ -159,6 +194,14 @@ export function chain(block: Blockly.BlockSvg, type: string, style: string): voi
   block.setPreviousStatement(true, type);
   block.setNextStatement(true, type);
   block.setStyle(style);
+}
+
+/** Of rules that clash the one with the greater number wins; 0, which most have, is shown where somebody is at the rule. */
+class PriorityField extends NumberField {
+  protected override getDisplayText_(): string {
+    this.fieldGroup_?.classList.toggle(QUIET, this.getText() === "0");
+    return `priority ${super.getDisplayText_()}`;
+  }
 }
 
 /** A field with a list to choose from; Tab takes what is marked in the open list and goes on to the next field. */

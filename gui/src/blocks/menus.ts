@@ -4,6 +4,7 @@ import * as Blockly from "blockly/core";
 import type { BlockButtons, RuleAct } from "./block_types";
 import { type Choice, timeChoices } from "./clocks";
 import { FOLDED, type RuleBlock } from "./model";
+import { NEW_STATEMENTS, type NewStatement } from "./rule_words";
 
 type Block = Blockly.BlockSvg;
 
@@ -13,8 +14,7 @@ export interface MenuPage {
   redo(): void;
   canUndo(): boolean;
   canRedo(): boolean;
-  newRate(): void;
-  newRule(): void;
+  addStatement(kind: NewStatement): void;
   foldAll(isFolded: boolean): void;
 }
 
@@ -42,8 +42,11 @@ export function useOwnMenus(workspace: Blockly.WorkspaceSvg, buttons: BlockButto
   workspace.configureContextMenu = (options) => {
     const isOff = workspace.isReadOnly();
     const own = [
-      { text: "New rate", enabled: !isOff, callback: () => page.newRate() },
-      { text: "New rule", enabled: !isOff, callback: () => page.newRule() },
+      ...Object.entries(NEW_STATEMENTS).map(([kind, text]) => ({
+        text,
+        enabled: !isOff,
+        callback: () => page.addStatement(kind as NewStatement),
+      })),
       { text: "Fold all", enabled: true, callback: () => page.foldAll(true) },
       { text: "Unfold all", enabled: true, callback: () => page.foldAll(false) },
       ...pageChoices(page),

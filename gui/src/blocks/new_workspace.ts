@@ -4,10 +4,11 @@ import * as Blockly from "blockly/core";
 import * as english from "blockly/msg/en";
 import type { Condition, RuleStatement, SetStatement, Statement } from "../api/types";
 import type { PickerChoice } from "../ui/picker";
-import { isNarrow, styleOf } from "../ui/watch";
+import { isForFingers, isNarrow, styleOf } from "../ui/watch";
 import { ACTION_TYPES } from "./action_model";
 import { type BlockButtons, defineBlocks } from "./block_types";
 import type { Suggestions } from "./fields";
+import { rendererName } from "./finding_marks";
 import { type MenuPage, useOwnMenus } from "./menus";
 import { type RuleBlock, stacked, toBlock } from "./model";
 import { isTyped, openField } from "./open_field";
@@ -36,7 +37,7 @@ export function newWorkspace(
     act,
   };
   defineBlocks(suggestions, buttons);
-  addAnotherOnShiftEnter(buttons, page.newRate);
+  addAnotherOnShiftEnter(buttons, () => page.addStatement("rate"));
   const isBelow = isNarrow();
   // Else each block measures its texts anew, for which the browser computes styles each time.
   Blockly.utils.dom.startTextWidthCache();
@@ -44,7 +45,7 @@ export function newWorkspace(
     Blockly.inject(host, {
       // A question of the browser's own would have no list to pick from.
       modalInputs: false,
-      renderer: "zelos",
+      renderer: rendererName(),
       theme: blocklyTheme(host),
       toolbox: toolbox(),
       // Beside the blocks it would leave them no room.
@@ -58,7 +59,7 @@ export function newWorkspace(
         controls: !isBelow,
         wheel: false,
         pinch: true,
-        startScale: matchMedia("(pointer: coarse)").matches ? SCALE_FOR_FINGERS : SCALE,
+        startScale: isForFingers() ? SCALE_FOR_FINGERS : SCALE,
         minScale: 0.3,
         maxScale: 2,
       },
@@ -338,30 +339,13 @@ const rule = (condition: Condition, then: SetStatement[]) =>
 /** The rule that a new project's first rule block is. */
 export const NEW_RULE = rule(check("/odom", "pose_x", ">", 0), [set("/odom", 10)]);
 export const NEW_RATE = set("/odom", 10);
-const MARGIN_RATE: SetStatement = {
-  ...set("/scan", 2),
-  margin: { to: { kind: "hz", value: 20 }, topic: "/scan", property: "distance", from_value: 3, to_value: 0.5 },
-};
-const TIMES: Record<string, unknown>[] = [
-  { extraState: { times: 1 }, fields: { WORD0: "For" } },
-  { extraState: { times: 1 }, fields: { WORD0: "Within" } },
-  { extraState: { hasUntil: true }, fields: { UNTIL_OP: "<" } },
-];
 
-/** The blocks to take from: what a statement may be, what a condition may be, and the rules of recipes. */
+/** The blocks to take from: rules and recipes, and what stands inside of rules. */
 function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
   const block = (state: Blockly.serialization.blocks.State) => ({ kind: "block", ...state });
   return {
     kind: "categoryToolbox",
     contents: [
-      {
-        kind: "category",
-        name: "Rates",
-        categorystyle: "rate",
-        contents: [block(toBlock(NEW_RATE)), block(toBlock(MARGIN_RATE)), block({ type: "adirf_keep" })],
-      },
-      { kind: "category", name: "Bounds", categorystyle: "floor", contents: [block({ type: "adirf_within" })] },
-      { kind: "category", name: "Recordings", categorystyle: "record", contents: [block({ type: "adirf_record" })] },
       {
         kind: "category",
         name: "Actions",
@@ -374,15 +358,6 @@ function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
         name: "Checks",
         categorystyle: "check",
         contents: ["adirf_check", "adirf_any", "adirf_all", "adirf_not"].map((type) => block({ type })),
-      },
-      {
-        kind: "category",
-        name: "Times",
-        categorystyle: "check",
-        contents: [
-          ...TIMES.map((state) => block({ type: "adirf_check", ...state })),
-          block({ type: "adirf_all", extraState: { times: 1 } }),
-        ],
       },
       { kind: "category", name: "Recipes", categorystyle: "rule", custom: RECIPES },
     ],

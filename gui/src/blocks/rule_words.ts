@@ -37,6 +37,15 @@ function rateWords({ rate, margin }: SetStatement): string {
   return margin ? `${words(rate)} … ${words(margin.to)} by ${margin.topic} ${margin.property}` : words(rate);
 }
 
+/** What can be added beside other statements. */
+export type NewStatement = "rule" | "rate" | "floor" | "bound";
+export const NEW_STATEMENTS: Readonly<Record<NewStatement, string>> = {
+  rate: "New rate",
+  rule: "New rule",
+  floor: "New floor",
+  bound: "New bound",
+};
+
 /** What a rule is called, or when it holds. */
 export function ruleName({ name, condition }: RuleStatement): string {
   if (name) return name;
@@ -66,10 +75,24 @@ export function statementTitle(statement: Statement): string {
     case "within":
       return `keep ${statement.topic} ${statement.property} within ${statement.bound}`;
     case "rule":
-      return `Rule ${statement.name ?? statement.label ?? `in line ${statement.line ?? ""}`}`;
+      return `Rule ${ruleName(statement)}`;
     case "raw":
       return statement.text.split(/\r?\n/, 1)[0] ?? "";
   }
+}
+
+/** Words of the checker for people who see blocks: rules by their names, and no lines. */
+export function withoutLines(words: string, statements: readonly Statement[]): string {
+  const nameAt = (line: string) => {
+    const rule = statements.find((each) => each.kind === "rule" && each.line === Number(line));
+    return rule?.kind === "rule" ? ruleName(rule) : null;
+  };
+  return words
+    .replace(/"?\b(?:the )?(?:block|rule) at line (\d+)"?( \(line \1\))?/g, (all, line) => {
+      const name = nameAt(line);
+      return name === null ? all : `“${name}”`;
+    })
+    .replace(/ \(line \d+\)/g, "");
 }
 
 export const RATE_WORDS: readonly string[] = [...TIERS, "Full", "Off"];

@@ -4,16 +4,18 @@ import * as Blockly from "blockly/core";
 import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
 import type { LostChanges } from "../state/rule_editor";
 import type { Folds } from "../state/statements";
-import { Badges, Warnings } from "./badges";
+import { Badges } from "./badges";
 import type { RuleAct } from "./block_types";
 import { Column } from "./column";
 import { DrawnPart, quietly, showJoins } from "./drawn_part";
 import type { Suggestions } from "./fields";
+import { FindingMarks } from "./finding_marks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
 import { FOLDED, fingerprint, toBlock, toStatement } from "./model";
 import { blocklyTheme, NEW_RATE, NEW_RULE, newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField, scrollToBlock } from "./open_field";
+import type { NewStatement } from "./rule_words";
 import {
   type ActedOn,
   actedOn,
@@ -36,7 +38,7 @@ const IN_HAND_MS = 50;
 interface WorkspaceOwner {
   suggestions: Suggestions;
   /** What the menus on blocks do with the page. */
-  menus: Omit<MenuPage, "newRate" | "newRule" | "foldAll">;
+  menus: Omit<MenuPage, "addStatement" | "foldAll">;
   /** Rules to take from the list of blocks; null where they cannot be had now. */
   recipes(): Promise<readonly Statement[] | null>;
   changed: Changed;
@@ -45,6 +47,8 @@ interface WorkspaceOwner {
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
   tell(message: string): void;
+  /** Does the one-click fix of a finding. */
+  mend(finding: PlacedFinding): void;
   /** Asks for `show` with what the text says now. */
   showAgain(): void;
   selected(statement: string | null): void;
@@ -62,14 +66,16 @@ export class RuleWorkspace {
   private readonly column: Column;
   private readonly drawn: DrawnPart;
   private waiting = false;
+  /** Blocks that came with a click, until somebody changes one or the text says them. */
+  private readonly placeholders = new Set<string>();
   /** Changes of blocks that are on their way into the text. */
   private underWay = 0;
   private findings: readonly PlacedFinding[] = [];
   private isLooking = false;
-  private readonly warnings = new Warnings();
+  private readonly marks: FindingMarks;
   private revealed: Blockly.BlockSvg | null = null;
   private readonly badges = new Badges();
-  private states: ReadonlyMap<string, RuleState> = new Map();
+  private live: [ReadonlyMap<string, RuleState>, ReadonlySet<string>] = [new Map(), new Set()];
   /** What blocks said when somebody left them: nothing reads or changes a block after that. */
   private left: Standing | null = null;
 
@@ -84,14 +90,14 @@ export class RuleWorkspace {
     this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
       foldAll: (isFolded) => void this.foldAll(isFolded),
-      newRate: () => this.addDefault(),
-      newRule: () => this.addRule(),
+      addStatement: (kind) => this.addStatement(kind),
     });
     this.column = new Column(this.workspace);
     this.drawn = new DrawnPart(this.workspace, this.column, owner, () => {
       this.mark(this.findings);
-      this.showLive(this.states);
+      this.showLive(...this.live);
     });
+    this.marks = new FindingMarks((finding) => owner.mend(finding));
     this.workspace.addChangeListener((event) => this.listen(event));
   }
 
@@ -130,15 +136,18 @@ export class RuleWorkspace {
     return !this.left && this.drawn.slots.some((slot) => (printOf(slot) ?? slot.print) !== slot.print);
   }
 
-  /** Shows beside rules and checks what a robot says of them, by statement id. */
-  showLive(states: ReadonlyMap<string, RuleState>): void {
-    this.states = states;
+  /** Shows beside rules and checks what a robot says of them, by statement id, and which rules it has otherwise. */
+  showLive(states: ReadonlyMap<string, RuleState>, differing: ReadonlySet<string>): void {
+    this.live = [states, differing];
     const { suggestions } = this.owner;
     const known = this.drawn.slots.flatMap(({ block, id }) => {
       const state = block.isDisposed() ? undefined : states.get(id);
       return state ? [[block, state] as const] : [];
     });
-    this.badges.show(new Map(known), (check) =>
+    const others = this.drawn.slots.flatMap(({ block, id }) =>
+      block.isDisposed() || !differing.has(id) ? [] : [block],
+    );
+    this.badges.show(new Map(known), others, (check) =>
       suggestions.unit(String(check.getFieldValue("TOPIC")), String(check.getFieldValue("PROPERTY"))),
     );
   }
@@ -146,13 +155,13 @@ export class RuleWorkspace {
   /** Puts findings on the blocks of their statements. */
   mark(findings: readonly PlacedFinding[]): void {
     this.findings = findings;
-    const { slots, statements } = this.drawn;
+    const { slots, statements, all } = this.drawn;
     const missing = new Map<Blockly.BlockSvg, string>();
     for (const block of this.column.order) {
-      const said = block.type === "adirf_raw" ? {} : toStatement(block);
-      if ("missing" in said) missing.set(block, `Not in the text yet. ${said.missing}.`);
+      const said = block.type === "adirf_raw" ? null : toStatement(block);
+      if (said !== null && "missing" in said) missing.set(block, said.missing);
     }
-    quietly(() => this.warnings.show(slots, statements, findings, missing));
+    quietly(() => this.marks.show(slots, statements, findings, missing, all));
     this.owner.leftOut(missing.size);
   }
 
@@ -242,11 +251,16 @@ export class RuleWorkspace {
 
   resize(): void {
     Blockly.svgResize(this.workspace);
+    // A field that somebody types into goes with its block, which another part of the page must not cover.
+    const field = Blockly.WidgetDiv.isVisible() ? Blockly.getFocusManager().getFocusedNode() : null;
+    const block = field instanceof Blockly.Field ? field.getSourceBlock() : null;
+    if (block instanceof Blockly.BlockSvg) scrollToBlock(block);
   }
 
-  /** Adds a rule that is to be changed. */
-  addRule(): void {
-    this.add(toBlock(NEW_RULE));
+  /** Adds a rule, or something else that holds outside of rules, which is to be changed. */
+  addStatement(kind: NewStatement): void {
+    if (kind === "rate") this.addDefault();
+    else this.add(kind === "rule" ? toBlock(NEW_RULE) : { type: kind === "floor" ? "adirf_keep" : "adirf_within" });
   }
 
   /** Puts a new block where the text will have it, and opens its first field. */
@@ -266,7 +280,7 @@ export class RuleWorkspace {
   }
 
   /** Adds a default for the first topic that has none yet, the robot's position before others. */
-  addDefault(): void {
+  private addDefault(): void {
     const said = this.column.order.flatMap((block) =>
       block.type === "adirf_set" ? [block.getFieldValue("TOPIC")] : [],
     );
@@ -297,6 +311,8 @@ export class RuleWorkspace {
 
   private listen(event: Blockly.Events.Abstract): void {
     if (event.type === Blockly.Events.SELECTED) this.reportSelected();
+    if (event instanceof Blockly.Events.BlockCreate) for (const id of event.ids ?? []) this.placeholders.add(id);
+    if (event instanceof Blockly.Events.BlockChange) this.placeholders.delete(event.blockId ?? "");
     if (event.type === Blockly.Events.VIEWPORT_CHANGE) this.lookSoon();
     if (!event.isUiEvent) this.column.layOutSoon();
     if (!event.isUiEvent && !this.waiting) this.settleSoon();
@@ -341,6 +357,7 @@ export class RuleWorkspace {
     }
     const handed = this.standing().order;
     let before: Slot[] = [];
+    let isPlaceholder = false;
     this.underWay++;
     await this.owner.changed(
       (document) => {
@@ -350,6 +367,8 @@ export class RuleWorkspace {
           return [];
         }
         before = this.drawn.slots.map((slot) => ({ ...slot }));
+        isPlaceholder = this.placeholders.size > 0;
+        this.placeholders.clear();
         const steps = stepsOf(document, this.drawn.first, this.drawn.slots, this.standing());
         this.column.settle();
         return steps.map(({ edit }) => edit);
@@ -358,11 +377,13 @@ export class RuleWorkspace {
         if (this.left) this.drawn.slots = before;
         else this.owner.tell(why);
       },
+      () => isPlaceholder,
     );
     this.underWay--;
     if (!this.left) {
       this.takeBack(handed);
       this.owner.showAgain();
+      if (isPlaceholder) this.reportSelected();
     }
     this.owner.ahead(this.isAhead());
   }
@@ -387,7 +408,8 @@ export class RuleWorkspace {
   }
 
   private reportSelected(): void {
-    const selected = Blockly.common.getSelected();
+    const focused = Blockly.getFocusManager().getFocusedNode();
+    const selected = focused instanceof Blockly.Field ? focused.getSourceBlock() : Blockly.common.getSelected();
     const block = selected instanceof Blockly.BlockSvg ? statementOf(selected) : null;
     this.owner.selected(this.drawn.slots.find((slot) => slot.block === block)?.id ?? null);
   }

@@ -57,8 +57,15 @@ export interface Standing {
 
 type Said = Statement | { missing: string } | null;
 
-/** Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page. */
-export type Changed = (editsOf: (document: RuleDocument) => Edit[], refused?: (why: string) => void) => Promise<void>;
+/**
+ * Blocks say something else than the text: `editsOf` it bring it there; `refused` hears why not, instead of the page;
+ * `isPlaceholder` is whether that is something new, which is to be changed.
+ */
+export type Changed = (
+  editsOf: (document: RuleDocument) => Edit[],
+  refused?: (why: string) => void,
+  isPlaceholder?: () => boolean,
+) => Promise<void>;
 
 /** An edit, and the block that says it. */
 interface Step {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { IncidentRecord, Missing, MissingReason } from "../api/types";
+import type { CheckCondition, IncidentRecord, Missing, MissingReason, Operator } from "../api/types";
+import { unquoted } from "../blocks/compared";
 import { counted, readable, valueText } from "../ui/numbers";
 
 /** Why an incident is not whole, in a list. */
@@ -72,19 +73,62 @@ export function sinceTrigger(ns: number, triggeredNs: number): string {
   return sinceMoment(secondsTo(ns, triggeredNs));
 }
 
-/** What a condition read: `/scan distance was 0.41 m`, one for each value. */
-export function valueWords(values: IncidentRecord["values"], units: Readonly<Record<string, string>>): string[] {
+/** What a condition read: `/scan distance was 0.41 m, below 0.9 m`, one for each value. */
+export function valueWords(
+  values: IncidentRecord["values"],
+  units: Readonly<Record<string, string>>,
+  checks: readonly CheckCondition[] = [],
+): string[] {
   return Object.entries(values).map(([signal, value]) => {
-    const unit = units[signal] ?? "";
-    return `${signal} was ${value === null ? "unknown or infinite" : `${valueText(value)}${unit && ` ${unit}`}`}`;
+    if (value === null) return `${signal} was unknown or infinite`;
+    const withUnit = (one: number | string) => [valueText(one), units[signal]].filter(Boolean).join(" ");
+    const compared = checks
+      .filter(({ topic, property }) => isSignal(signal, topic, property))
+      .map(({ op, value: limit }) => {
+        const plain = typeof limit === "string" && limit.startsWith('"') ? unquoted(limit) : limit;
+        return `${COMPARES[op](value, plain) ? "" : "not "}${OP_WORDS[op]} ${withUnit(plain)}`;
+      });
+    return [`${signal} was ${withUnit(value)}`, [...new Set(compared)].join(" and ")].filter(Boolean).join(", ");
   });
 }
 
+/** Whether a rule means a signal by a topic, which it may write without the robot's namespace, and a property. */
+function isSignal(signal: string, topic: string, property: string): boolean {
+  const words = `${topic} ${property}`;
+  return topic.startsWith("/") ? signal === words : signal.endsWith(`/${words}`);
+}
+
+const OP_WORDS: Record<Operator, string> = {
+  "<": "below",
+  ">": "above",
+  "<=": "at most",
+  ">=": "at least",
+  "=": "equal to",
+  "!=": "other than",
+};
+
+type Compare = (value: number | string, limit: number | string) => boolean;
+
+const COMPARES: Record<Operator, Compare> = {
+  "<": (value, limit) => value < limit,
+  ">": (value, limit) => value > limit,
+  "<=": (value, limit) => value <= limit,
+  ">=": (value, limit) => value >= limit,
+  "=": (value, limit) => value === limit,
+  "!=": (value, limit) => value !== limit,
+};
+
 /** The moments after the first at which the rule began to hold: `3.2 s after: /scan distance was 0.41 m`. */
-export function furtherWords(record: IncidentRecord, units: Readonly<Record<string, string>>): string[] {
+export function furtherWords(
+  record: IncidentRecord,
+  units: Readonly<Record<string, string>>,
+  checks: readonly CheckCondition[] = [],
+): string[] {
   const { triggered_ns, moments = 1, further_moments = [] } = record;
   const listed = further_moments.map((one) =>
-    [sinceTrigger(one.triggered_ns, triggered_ns), valueWords(one.values, units).join(", ")].filter(Boolean).join(": "),
+    [sinceTrigger(one.triggered_ns, triggered_ns), valueWords(one.values, units, checks).join(", ")]
+      .filter(Boolean)
+      .join(": "),
   );
   const more = moments - 1 - listed.length;
   return more > 0 ? [...listed, `and ${counted(more, "time")} more`] : listed;

@@ -6,17 +6,17 @@ import { type Api, refusalOf } from "../api/client";
 import type { FetchesAnswer, FetchState, IncidentsOfRobot, RemoteIncident, RobotIncidentsAnswer } from "../api/types";
 import { href } from "../route";
 import { Button } from "../ui/button";
-import { NeedsServer } from "../ui/connection";
+import { NeedsServer, useRobot } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, readable, sizeWords } from "../ui/numbers";
 import { SUMMARY_COLUMNS, SummaryCells } from "./incident_table";
 
-/** What the robots on the link recorded: listed at once, fetched one by one. Nothing without a link. */
+/** What the robots recorded: over a link listed at once, and fetched one by one; else how many, and how to get them. */
 export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
   const answer = robots.answer.value;
   const problem = robots.problem.value;
-  if (answer?.is_linked === false) return null;
+  if (answer?.is_linked === false) return <OnDisks />;
   return (
     <section class="on-robots" aria-label="On robots">
       <h2>On robots</h2>
@@ -27,6 +27,27 @@ export function RobotIncidentList({ robots }: { robots: RobotIncidents }) {
       {answer?.robots.map((one) => (
         <OfRobot key={one.robot} {...{ robots, one }} />
       ))}
+    </section>
+  );
+}
+
+/** Over ROS a robot says only how many there are. */
+function OnDisks() {
+  const some = useRobot().robots.value?.robots.filter(({ recorded }) => recorded > 0) ?? [];
+  if (some.length === 0) return null;
+  return (
+    <section class="on-robots" aria-label="On robots">
+      <h2>On robots</h2>
+      {some.map(({ node, label, recorded }) => (
+        <p key={node}>
+          {counted(recorded, "incident")} {recorded === 1 ? "is" : "are"} on the disk of <strong>{label}</strong>.
+        </p>
+      ))}
+      <p class="quiet">
+        Over ROS incidents do not come here. Copy the folder that its <code>testudo run --incidents</code> names into
+        this project; or start the robot with <code>--link</code> and this page with{" "}
+        <code>testudo ruler --connect</code>, which lists and fetches them here.
+      </p>
     </section>
   );
 }

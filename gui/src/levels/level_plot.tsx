@@ -57,8 +57,6 @@ export function LevelPlot(props: {
 const BIG_STEP = 10;
 /** A finger that scrolls the page goes this far to the side before the browser takes it. */
 const STILL_PX = 4;
-/** Beyond this share of the axis a name stands on the left of its line. */
-const FLIP_AT = 0.75;
 
 /** The six levels as lines over a plot, each a slider. `move` says whether it goes on with the step before. */
 function LevelLines(props: {
@@ -100,12 +98,11 @@ function LevelLines(props: {
       {TIERS.map((tier, index) => {
         const value = props.levels[index] ?? 0;
         const [least, most] = limitsOf(props.kind, props.levels, index);
-        const share = shareOf(props.axis, value);
         return (
           <div
             key={tier}
-            class={share > FLIP_AT ? "level-line flipped" : "level-line"}
-            style={`left: ${100 * share}%; --row: ${index}`}
+            class="level-line"
+            style={`left: ${100 * shareOf(props.axis, value)}%`}
             role="slider"
             tabIndex={0}
             aria-label={`${tier} level of ${props.of} (${unit})`}
@@ -123,15 +120,34 @@ function LevelLines(props: {
               event.preventDefault();
               props.move(index, next, false);
             }}
-          >
-            <span>
-              {tier} {readable(value)} {unit}
-            </span>
-          </div>
+          />
         );
       })}
+      <LevelBands kind={props.kind} levels={props.levels} axis={props.axis} />
     </div>
   );
+}
+
+/** What each level covers: rates up to its line, from that of the level below; errors down to it. */
+function LevelBands({ kind, levels, axis }: { kind: LevelKind; levels: readonly number[]; axis: LevelAxis }) {
+  return TIERS.map((tier, index) => {
+    const at = (value: number | undefined, end: number) => (value === undefined ? end : shareOf(axis, value));
+    const [from, to] = kind.falls
+      ? [at(levels[index], 0), at(levels[index - 1], 1)]
+      : [at(levels[index - 1], 0), at(levels[index], 1)];
+    const text = `${tier}, ${kind.falls ? "down" : "up"} to ${readable(levels[index] ?? 0)} ${kind.unit}`;
+    return (
+      <div
+        key={tier}
+        class="level-band"
+        style={`left: ${100 * from}%; width: ${100 * (to - from)}%; --level: ${index + 1}`}
+        title={text}
+        aria-hidden="true"
+      >
+        <span>{text}</span>
+      </div>
+    );
+  });
 }
 
 function valueForKey(key: string, value: number, least: number, most: number): number | null {

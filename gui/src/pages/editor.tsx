@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, useSignal } from "@preact/signals";
+import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { refusal } from "../api/client";
+import type { FoundFile } from "../api/types";
 import { BlocksPane, recordingOfRules } from "../panels/blocks_pane";
 import { EditorBar } from "../panels/editor_bar";
 import { FindingsPanel } from "../panels/findings_panel";
-import { OptimizePanel } from "../panels/optimize_panel";
+import { BudgetBar, followRates, type Optimized, OptimizePanel } from "../panels/optimize_panel";
 import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/rule_push_steps";
@@ -39,6 +40,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const files = useRef(project.files);
   files.current = project.files;
   const recording = useMemo(() => recordingOfRules(editor, tries, () => files.current), []);
+  useEffect(() => followSurroundings(editor, recording), []);
   const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
@@ -46,6 +48,8 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   useEffect(() => full.follow(), []);
   /** Whether the rates are to be downloaded as soon as they are computed. */
   const wantsRates = useSignal(false);
+  const rates = useSignal<Optimized | null>(null);
+  useEffect(() => followRates(editor, rates, () => tool.value === "optimize"), []);
   // Panes have the room that somebody left them for what they show, else as much as that needs.
   const isTried = tool.value === "try" && (tries.last.value ?? tries.folder.value) !== null;
   const isMap = side.value === "map";
@@ -62,7 +66,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   useEffect(() => {
     void open(editor, setState);
   }, []);
-  const savesByItself = useOpenFile(editor, project, (byItself) => editor.save(byItself));
+  useOpenFile(editor, () => editor.save());
   useReturn(() => {
     if (state === "open") return editor.revive();
     return state !== "opening" && open(editor, setState);
@@ -70,6 +74,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const results = useRef<HTMLElement>(null);
   const openTool = (next: Tool) => {
     tool.value = next;
+    editor.showAllFindings();
     if (full.part.peek() === "map") full.leave();
     showOnNarrow(() => results.current);
   };
@@ -82,7 +87,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
     <div class="editor" data-full={full.part.value} style={{ "--dock": `${dock}%`, "--blocks": `${blocks}%` }}>
       <div>
         <EditorBar
-          {...{ editor, project, savesByItself, ...robot }}
+          {...{ editor, project, ...robot }}
           onTool={openTool}
           onDownload={() => {
             openTool("optimize");
@@ -93,7 +98,9 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules} />
+          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules}>
+            <BudgetBar {...{ editor, rates }} onOpen={() => openTool("optimize")} />
+          </BlocksPane>
           <Splitter
             label="Width of the blocks"
             orientation="vertical"
@@ -117,7 +124,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
             {tool.value === "findings" && <FindingsPanel {...{ editor, repair }} />}
             {tool.value === "optimize" && (
               <NeedsServer>
-                <OptimizePanel {...{ editor, project, repair, wantsRates }} />
+                <OptimizePanel {...{ editor, project, repair, rates, wantsRates }} />
               </NeedsServer>
             )}
             {tool.value === "robot" && (
@@ -158,6 +165,17 @@ function ResultTabs({ editor, tool }: { editor: RuleEditor; tool: Signal<Tool> }
     { value: "robot", label: "Robot" },
   ];
   return <Tabs label="Results" choices={choices} chosen={tool} />;
+}
+
+/** Looks at what is beside the text whenever it was read without an error. */
+function followSurroundings(editor: RuleEditor, recording: () => FoundFile | undefined): () => void {
+  editor.surroundings.recordedTopics = async () => {
+    const bag = recording()?.name;
+    return bag === undefined ? [] : (await editor.api.ask("POST /api/recording", { bag })).topics;
+  };
+  return effect(() => {
+    if (editor.isChecked.value && editor.document.value && editor.errors.value.length === 0) editor.surroundings.soon();
+  });
 }
 
 type Opened = "open" | { problem: string };

@@ -131,9 +131,8 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
           )}
         </div>
         {problem && <Notice kind="error" text={problem} action={{ label: "Try again", act: read }} />}
-        {incident && <IncidentFacts incident={incident} />}
+        {incident && <Seen {...{ api, incident }} course={state.kind === "done" ? state.answer : null} />}
         {!problem && <WorkProgress work={course} doing="Reading its messages" />}
-        {incident && state.kind === "done" && <Course course={state.answer} {...{ api, incident }} />}
         {incident && <RecordedTopics record={incident.record} />}
       </main>
       {incident && isAsked && (
@@ -152,14 +151,21 @@ function OneIncident({ api, name }: Pick<PageProps, "api" | "name">) {
   );
 }
 
-interface CourseProps {
+interface SeenProps {
   api: Api;
   incident: IncidentAnswer;
-  course: IncidentCourse;
+  /** Null until its messages are read. */
+  course: IncidentCourse | null;
 }
 
-function Course({ api, incident, course }: CourseProps) {
-  return <CourseView course={course} ground={useRuleGround(api, incident)} />;
+function Seen({ api, incident, course }: SeenProps) {
+  const ground = useRuleGround(api, incident);
+  return (
+    <>
+      <IncidentFacts {...{ incident, ground }} />
+      {course && <CourseView {...{ api, incident, course, ground }} />}
+    </>
+  );
 }
 
 interface DeleteDialogProps {

@@ -2,21 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { refusalOf } from "../api/client";
 import type { Fallback, Project, RobotSummary } from "../api/types";
 import { RobotStart } from "../panels/project_start";
-import { RobotHistory, RobotTopics, RobotTotals } from "../panels/robot_view";
+import { RobotDetails, RobotHistory, RobotTopics, RobotTotals } from "../panels/robot_view";
 import { href } from "../route";
-import {
-  age,
-  byTrouble,
-  duration,
-  inOrderOf,
-  isOverBudget,
-  linkWords,
-  OLD_MS,
-  rulesFor,
-  troubleOf,
-} from "../state/robot_trouble";
+import { duration, inOrderOf, linkWords, rulesFor } from "../state/robot_trouble";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { ColumnHeads } from "../ui/data_table";
@@ -24,26 +15,27 @@ import { baseName } from "../ui/files";
 import { Header } from "../ui/header";
 import { later } from "../ui/later";
 import { Problem } from "../ui/notice";
-import { readable } from "../ui/numbers";
+import { moment, readable } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
 const RobotChecks = later(async () => (await import("../panels/robot_checks")).RobotChecks);
 
 /** All robots that are heard, or, with a name, that robot without any rules beside it. */
 export function RobotsPage({ api, project, refresh, name }: PageProps) {
-  return name === "" ? <AllRobots project={project} /> : <OneRobot {...{ api, project, refresh }} node={name} />;
+  return name === "" ? <AllRobots {...{ api, project }} /> : <OneRobot {...{ api, project, refresh }} node={name} />;
 }
 
-function AllRobots({ project }: { project: Project }) {
+/** So few robots are seen at a glance. */
+const FEW = 10;
+
+function AllRobots({ api, project }: Pick<PageProps, "api" | "project">) {
   const link = useRobot();
   const onlyTrouble = useSignal(false);
+  const [refused, setRefused] = useState("");
   /** The order in which rows stay while somebody is about to choose one. */
   const held = useSignal<string[] | null>(null);
-  const robots = useComputed(() => {
-    const all = link.robots.value?.robots ?? [];
-    return held.value === null ? byTrouble(all) : inOrderOf(held.value, all);
-  });
-  const troubled = useComputed(() => robots.value.filter((robot) => troubleOf(robot) !== null));
+  const robots = useComputed(() => inOrderOf(held.value ?? [], link.robots.value?.robots ?? []));
+  const troubled = useComputed(() => robots.value.filter(({ health }) => health !== null));
   const timer = useRef(0);
   const hold = (forMs?: number) => {
     held.value ??= robots.peek().map(({ node }) => node);
@@ -54,31 +46,38 @@ function AllRobots({ project }: { project: Project }) {
     window.clearTimeout(timer.current);
     held.value = null;
   };
+  const remove = async (node: string) => setRefused(await refusalOf(() => api.ask("POST /api/robot/remove", { node })));
   const shown = onlyTrouble.value ? troubled.value : robots.value;
   return (
     <>
-      <Header title="Robots">
-        <a href={href({ page: "incidents", name: "" })}>Incidents</a>
-      </Header>
+      <Header title="Robots" />
       <main class="robots">
+        <Problem text={refused} />
         {robots.value.length === 0 ? (
           <p class="quiet">{link.connection.value.why}</p>
         ) : (
           <>
             <div class="row">
               <p role="status">{counted(robots.value.length, troubled.value.length)}</p>
-              <label>
-                <input
-                  type="checkbox"
-                  checked={onlyTrouble.value}
-                  onChange={(event) => (onlyTrouble.value = event.currentTarget.checked)}
-                />
-                Only those with trouble
-              </label>
+              {robots.value.length >= FEW && (
+                <label>
+                  <input
+                    type="checkbox"
+                    checked={onlyTrouble.value}
+                    onChange={(event) => (onlyTrouble.value = event.currentTarget.checked)}
+                  />
+                  Only those with trouble
+                </label>
+              )}
             </div>
             {shown.length === 0 && <p class="quiet">No robot is in trouble.</p>}
             {shown.length > 0 && (
-              <RobotTable robots={shown} project={project} robotsAgeS={link.robotsAgeS.value} {...{ hold, release }} />
+              <RobotTable
+                robots={shown}
+                robotsAgeS={link.robotsAgeS.value}
+                {...{ project, hold, release }}
+                remove={(node) => void remove(node)}
+              />
             )}
           </>
         )}
@@ -106,7 +105,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
       <Header title={link.robot.value?.label ?? node} />
       <main class="robots robot">
         <div class="row">
-          <a href={href({ page: "robots", name: "" })}>All robots</a>
+          <RulesLink robot={link.robot.value} project={props.project} />
           <NeedsServer changes>
             <Button
               label="Start a project from this robot"
@@ -126,6 +125,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
         <Problem text={trouble} />
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
+        {live && <RobotDetails link={link} live={live} />}
         {link.robot.value?.node === node && <RobotChecks api={props.api} node={node} propose={null} />}
         {link.robot.value?.node === node && <RobotHistory api={props.api} node={node} />}
       </main>
@@ -133,10 +133,15 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
   );
 }
 
+/** The way to the rules that a robot follows, beside it. */
+function RulesLink({ robot, project }: { robot: RobotSummary | null; project: Project }) {
+  const rules = robot && rulesFor(robot, project);
+  return robot && rules ? <a href={href({ page: "rules", name: rules, robot: robot.node })}>Open {rules}</a> : null;
+}
+
 const NOW_S = 4;
 const POINTER_HOLDS_MS = 5000;
-const HASH_DIGITS = 8;
-const COLUMNS = ["Robot", "State", "Heard", "Link", "Oldest at the operator", "Sent", "Rules"];
+const COLUMNS = ["Robot", "State", "Last heard", "Link", "Sent", "Rules"];
 
 interface RobotTableProps {
   robots: readonly RobotSummary[];
@@ -145,10 +150,11 @@ interface RobotTableProps {
   /** Rows are to stay where they are, until `release`, or for so long. */
   hold: (forMs?: number) => void;
   release: () => void;
+  remove: (node: string) => void;
 }
 
 /** A row for each robot; on a narrow screen a card. Rows stay in place while somebody is about to choose one. */
-function RobotTable({ robots, project, robotsAgeS, hold, release }: RobotTableProps) {
+function RobotTable({ robots, hold, release, ...props }: RobotTableProps) {
   return (
     <div class="table-scroll">
       <table
@@ -162,7 +168,7 @@ function RobotTable({ robots, project, robotsAgeS, hold, release }: RobotTablePr
         <ColumnHeads names={COLUMNS} />
         <tbody>
           {robots.map((robot) => (
-            <RobotRow key={robot.node} {...{ robot, project, robotsAgeS }} />
+            <RobotRow key={robot.node} {...props} robot={robot} />
           ))}
         </tbody>
       </table>
@@ -175,55 +181,41 @@ function moved({ movementX, movementY }: PointerEvent): boolean {
   return movementX !== 0 || movementY !== 0;
 }
 
-type RowProps = Pick<RobotTableProps, "project" | "robotsAgeS"> & { robot: RobotSummary };
+type RowProps = Pick<RobotTableProps, "project" | "robotsAgeS" | "remove"> & { robot: RobotSummary };
 
-function RobotRow({ robot, project, robotsAgeS }: RowProps) {
-  const trouble = troubleOf(robot, robotsAgeS);
+function RobotRow({ robot, project, robotsAgeS, remove }: RowProps) {
+  const { node, label, health, is_heard, topics } = robot;
   const silentS = robot.heard_s_ago + robotsAgeS;
-  const { oldest } = robot;
-  const { sha256 } = robot.rules;
+  const rules = rulesFor(robot, project);
   return (
-    <tr class={lookOf(robot, trouble !== null)}>
+    <tr class={health?.level ?? ""}>
       <th scope="row">
-        <a href={wayTo(robot, project)}>{robot.label}</a>
+        <a href={href({ page: "robots", name: node })}>{label}</a>
       </th>
       <td data-label="State">
-        <span class={trouble ? "trouble" : "well"}>{trouble?.words ?? "well"}</span>
+        <span class="state">{health?.message ?? `relays ${topics === 1 ? "1 topic" : `${topics} topics`}`}</span>
       </td>
-      <td data-label="Heard">{silentS < NOW_S ? "now" : `${duration(silentS)} ago`}</td>
-      <td data-label="Link">{robot.link === null ? "none" : linkWords(robot.link)}</td>
-      <td data-label="Oldest at the operator">
-        {oldest === null ? "–" : <Oldest topic={oldest.topic} ageMs={oldest.age_ms} />}
+      <td data-label="Last heard">
+        <span>{silentS < NOW_S ? "now" : `${duration(silentS)} ago`}</span>
+        {!is_heard && (
+          <>
+            <small>{moment(Date.now() - 1000 * silentS)}</small>
+            <NeedsServer changes>
+              <Button label="Remove" class="small" aria-label={`Remove ${label}`} onClick={() => remove(node)} />
+            </NeedsServer>
+          </>
+        )}
       </td>
-      <td data-label="Sent" class={isOverBudget(robot) ? "over" : ""}>
-        <Sent robot={robot} />
-      </td>
+      <td data-label="Link">{!is_heard ? "–" : robot.link === null ? "none" : linkWords(robot.link)}</td>
+      <td data-label="Sent">{is_heard ? <Sent robot={robot} /> : "–"}</td>
       <td data-label="Rules">
-        {sha256 && <code title={sha256}>{sha256.slice(0, HASH_DIGITS)}</code>} {originOf(robot, robotsAgeS)}
+        {rules ? (
+          <a href={href({ page: "rules", name: rules, robot: node })}>{originOf(robot, robotsAgeS)}</a>
+        ) : (
+          originOf(robot, robotsAgeS)
+        )}
       </td>
     </tr>
-  );
-}
-
-function lookOf({ is_heard, health }: RobotSummary, isTroubled: boolean): string {
-  if (!is_heard) return "silent";
-  if (health?.level === "error") return "failing";
-  return isTroubled ? "troubled" : "";
-}
-
-/** Beside the rules that it follows, if the project has any rules. */
-function wayTo(robot: RobotSummary, project: Project): string {
-  const rules = rulesFor(robot, project);
-  return href(
-    rules === null ? { page: "robots", name: robot.node } : { page: "rules", name: rules, robot: robot.node },
-  );
-}
-
-function Oldest({ topic, ageMs }: { topic: string; ageMs: number }) {
-  return (
-    <>
-      <span class={ageMs > OLD_MS ? "late" : ""}>{age(ageMs)}</span> <code>{topic}</code>
-    </>
   );
 }
 

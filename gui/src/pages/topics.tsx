@@ -1,10 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import { TIERS } from "../api/types";
 import { LevelPanel } from "../levels/level_panel";
 import { href, toRoute } from "../route";
+import { BagWork } from "../state/bag_work";
 import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
 import { topicsIn } from "../state/statements";
@@ -15,7 +16,7 @@ import { FormDialog } from "../ui/dialog";
 import { ConflictDialog, FileNotices, useOpenFile } from "../ui/file_notices";
 import { Header } from "../ui/header";
 import { useAnswer } from "../ui/later";
-import { Notice, Toast } from "../ui/notice";
+import { Notice, Toast, WorkProgress } from "../ui/notice";
 import { useWindowEvent } from "../ui/watch";
 import type { PageProps } from "./page_props";
 
@@ -33,12 +34,12 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
   useEffect(() => void open(), []);
   useReturn(() => (isOpen ? guarded(() => editor.revive()) : problem && open()));
   const canSave = () => (editor.isNew.value || !editor.isSaved.value) && editor.problems.value.length === 0;
-  const save = (byItself: boolean) =>
+  const save = () =>
     guarded(async () => {
-      await editor.save(byItself);
+      await editor.save();
       await refresh();
     });
-  useOpenFile(editor, project, async (byItself) => (byItself || canSave() ? save(byItself) : undefined));
+  useOpenFile(editor, async () => (canSave() ? save() : undefined));
   const bags = project.files.filter((file) => file.kind === "bag").map((file) => file.name);
   const isSaved = editor.isSaved.value;
   return (
@@ -51,7 +52,7 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
             keys="Ctrl+S"
             isNext
             disabled={!canSave()}
-            act={() => void save(false)}
+            act={() => void save()}
           />
         </NeedsServer>
         <UndoButtons
@@ -65,14 +66,7 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
         <FileNotices file={editor} />
         {problem && <Notice kind="error" text={problem} />}
         {isOpen && madeFor !== null && <RulesTopics {...{ editors, editor }} rules={madeFor} />}
-        <div class="row">
-          <NeedsServer>
-            {bags.length > 0 && <MeasureChoice bags={bags} measure={(bag) => guarded(() => editor.measure(bag))} />}
-            <NeedsServer changes>
-              <MeasureRobot measure={(seconds) => guarded(() => editor.measureLive(seconds))} />
-            </NeedsServer>
-          </NeedsServer>
-        </div>
+        <Measuring {...{ editor, bags }} />
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, bags }} />}
         <Toast message={editor.message} />
@@ -88,6 +82,33 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
 function noteOf(isSaved: boolean, isNew: boolean): string {
   if (isNew) return "new, not saved";
   return isSaved ? "saved" : "not saved";
+}
+
+/** Fills the table from a recording or a robot, with its progress; nothing of the table changes before the end. */
+function Measuring({ editor, bags }: { editor: ProfileEditor; bags: string[] }) {
+  const work = useMemo(() => new BagWork<void>(), []);
+  useEffect(() => () => work.cancel(), []);
+  const isRunning = work.state.value.kind === "running";
+  return (
+    <div class="row">
+      {!isRunning && (
+        <NeedsServer>
+          {bags.length > 0 && (
+            <MeasureChoice
+              bags={bags}
+              measure={(bag) => work.start((run, signal) => editor.measure(bag, run, signal))}
+            />
+          )}
+          <NeedsServer changes>
+            <MeasureRobot
+              measure={(seconds) => work.start((run, signal) => editor.measureLive(seconds, run, signal))}
+            />
+          </NeedsServer>
+        </NeedsServer>
+      )}
+      <WorkProgress work={work} doing="Measuring" />
+    </div>
+  );
 }
 
 function MeasureChoice({ bags, measure }: { bags: string[]; measure: (bag: string) => Promise<void> }) {
@@ -116,25 +137,14 @@ const LONGEST_S = 60;
 /** Asks for how long to listen to the robot, and then measures its topics. */
 function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void> }) {
   const [isAsking, setAsking] = useState(false);
-  const [runningS, setRunning] = useState<number | null>(null);
-  const run = async (seconds: number) => {
-    setAsking(false);
-    setRunning(seconds);
-    await measure(seconds);
-    setRunning(null);
-  };
   return (
     <>
-      <Button
-        label={runningS === null ? "Measure on the robot" : `Measuring for ${runningS} s …`}
-        disabled={runningS !== null}
-        onClick={() => setAsking(true)}
-      />
+      <Button label="Measure on the robot" onClick={() => setAsking(true)} />
       {isAsking && (
         <FormDialog
           title="Measure on the robot"
           submit="Measure"
-          onSubmit={(form) => run(Number(form.get("seconds")))}
+          onSubmit={(form) => measure(Number(form.get("seconds")))}
           onClose={() => setAsking(false)}
         >
           <label>
@@ -197,6 +207,16 @@ async function topicsOf(api: Api, editors: OpenEditors, rules: string): Promise<
 function TopicTable({ editor }: { editor: ProfileEditor }) {
   const problems = editor.problems.value;
   usePastedTable(editor);
+  const body = useRef<HTMLTableSectionElement>(null);
+  const wantsFocus = useRef(false);
+  const add = () => {
+    wantsFocus.current = true;
+    editor.addRow();
+  };
+  useEffect(() => {
+    if (wantsFocus.current) body.current?.querySelector<HTMLInputElement>("tr:last-child input")?.focus();
+    wantsFocus.current = false;
+  }, [editor.rows.value.length]);
   return (
     <>
       <div class="row budget">
@@ -205,7 +225,7 @@ function TopicTable({ editor }: { editor: ProfileEditor }) {
           <input
             inputMode="decimal"
             value={editor.budget.value}
-            placeholder="15000"
+            placeholder="such as 15000"
             aria-invalid={!isNumber(editor.budget.value)}
             onInput={(event) => editor.setBudget(event.currentTarget.value)}
           />
@@ -215,14 +235,14 @@ function TopicTable({ editor }: { editor: ProfileEditor }) {
       <div class="table-scroll">
         <table class="topic-table">
           <TableHead />
-          <tbody>
+          <tbody ref={body} onKeyDown={(event) => goOn(event, add)}>
             {editor.rows.value.map((row, index) => (
               <TopicRow key={row.key} editor={editor} row={row} number={index + 1} />
             ))}
           </tbody>
         </table>
       </div>
-      <Button label="Add topic" onClick={() => editor.addRow()} />
+      <Button label="Add topic" onClick={add} />
       <ul class="problems" aria-label="Problems" aria-live="polite">
         {problems.map((problem) => (
           <li key={problem} class="problem">
@@ -234,6 +254,16 @@ function TopicTable({ editor }: { editor: ProfileEditor }) {
   );
 }
 
+/** Enter goes on to the next cell, and behind the last one to a new row. */
+function goOn(event: KeyboardEvent & { currentTarget: HTMLElement }, add: () => void): void {
+  if (event.key !== "Enter" || !(event.target instanceof HTMLInputElement)) return;
+  event.preventDefault();
+  const cells = [...event.currentTarget.querySelectorAll("input")];
+  const next = cells[cells.indexOf(event.target) + 1];
+  next?.select();
+  if (next === undefined) add();
+}
+
 function TableHead() {
   return (
     <thead>
@@ -242,7 +272,7 @@ function TableHead() {
         <th scope="col">Message size (KB)</th>
         {TIERS.map((tier) => (
           <th key={tier} scope="col">
-            {tier} (Hz)
+            {tier}, up to (Hz)
           </th>
         ))}
         <th scope="col">Priority</th>
@@ -299,7 +329,7 @@ function TopicCells({ editor, row, number }: RowProps) {
       {TIERS.map((tier, index) =>
         cell(`${tier} (Hz)`, row.tiers_hz[index] ?? "", (text) => ({ tiers_hz: row.tiers_hz.with(index, text) })),
       )}
-      {cell("Priority", row.priority, field("priority"), "1")}
+      {cell("Priority", row.priority, field("priority"), "1 if empty")}
       {cell("Source (Hz)", row.source_hz, field("source_hz"))}
       <td>
         <Button label="−" class="small" aria-label={`Remove ${of}`} onClick={() => editor.removeRow(row.key)} />

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { FoundFile } from "../api/types";
+import type { FoundFile, RuleDocument } from "../api/types";
 import { toCondition } from "../blocks/model";
 import type { DrawValues } from "../blocks/number_field";
+import type { NewStatement } from "../blocks/rule_words";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
 import { recipeRules } from "../recipes/recipes";
@@ -22,7 +24,7 @@ import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
 /** The left half: the rules as blocks. */
-export function BlocksPane(props: Omit<Shown, "isServerGone">) {
+export function BlocksPane({ children, ...props }: Omit<Shown, "isServerGone"> & { children: ComponentChildren }) {
   const { editor, robotRules } = props;
   const workspace = useRef<RuleWorkspace | null>(null);
   const isBelow = useSignal(isNarrow());
@@ -43,21 +45,17 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
   const isReadOnly = useComputed(() => editor.isBroken.value || editor.shown.value === null || !isLoaded.value).value;
   const errors = useComputed(() => editor.errors.value.length).value;
   const isMany = useComputed(() => isLong(editor)).value;
+  const add = (kind: NewStatement) => void workspace.current?.addStatement(kind);
   const go = (index: number) => void workspace.current?.unfold(index);
   return (
     <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
       <div class="pane-bar">
         <h2>Blocks</h2>
         <NeedsServer>
-          <Button
-            label="New rate"
-            class="small"
-            disabled={isReadOnly}
-            onClick={() => workspace.current?.addDefault()}
-          />
-          <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => workspace.current?.addRule()} />
+          <Button label="New rate" class="small" disabled={isReadOnly} onClick={() => add("rate")} />
+          <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => add("rule")} />
         </NeedsServer>
-        <RuleSearch editor={editor} robotRules={robotRules} onGo={go} />
+        <RuleSearch {...{ editor, robotRules }} onGo={go} onAdd={isReadOnly ? null : add} />
         {isMany && (
           <Button
             label="Outline"
@@ -66,6 +64,7 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
             onClick={() => (hasOutline.value = !hasOutline.value)}
           />
         )}
+        {children}
         {isBehind && (
           <p class="pane-note" role="status">
             The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
@@ -97,7 +96,7 @@ export function BlocksPane(props: Omit<Shown, "isServerGone">) {
       {editor.isEmpty.value && (
         <p class="empty-hint">
           Begin with <strong>New rate</strong>: how often a topic is sent while no rule decides. Then add a{" "}
-          <strong>New rule</strong>: when that changes. Recipes are in the list on the left.
+          <strong>New rule</strong>: when that changes. Recipes are in the list of blocks.
         </p>
       )}
     </section>
@@ -160,13 +159,16 @@ function openWorkspace(
       ...suggestionsOf({ ...known, recorded: (topic) => recorded.of(topic) }),
       drawValues: valuesOfRecording(editor, recording),
     },
-    changed: (editsOf, refused) =>
-      editor.edit((document) => {
+    changed: (editsOf, refused, isPlaceholder) => {
+      const edits = (document: RuleDocument) => {
         if (document === editor.shown.peek()?.document) workspace.catchUp(document);
         return editsOf(document);
-      }, refused),
+      };
+      return editor.edit(edits, refused, isPlaceholder);
+    },
     lost: (lost) => (editor.lost.value = { name: editor.name, ...lost }),
     tell: (message) => (editor.message.value = message),
+    mend: (finding) => void editor.fix(finding),
     leftOut: (count) => (editor.blocksLeftOut = count),
     ahead: (isAhead) => editor.setAhead(workspace, isAhead),
     showAgain: show,
@@ -183,7 +185,7 @@ function openWorkspace(
       show();
     }),
     effect(() => workspace.mark(editor.findings.value)),
-    effect(() => workspace.showLive(robotRules.states.value)),
+    effect(() => workspace.showLive(robotRules.states.value, robotRules.differing.value)),
     effect(() => workspace.setReadOnly(editor.isBroken.value || editor.shown.value === null || isServerGone.value)),
     effect(() => {
       const spot = editor.spot.value;

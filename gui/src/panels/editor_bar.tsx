@@ -6,8 +6,10 @@ import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
+import { FormDialog } from "../ui/dialog";
 import { Header, MenuItem } from "../ui/header";
 import { ShareDialogs, type Sharing } from "./sharing";
+import { VersionsPane } from "./versions_pane";
 
 const SEND = "Send to robot";
 const DOWNLOAD = "Optimize and Download";
@@ -15,7 +17,6 @@ const DOWNLOAD = "Optimize and Download";
 interface Props {
   editor: RuleEditor;
   project: Project;
-  savesByItself: boolean;
   rulePush: RulePush;
   robotRules: RobotRules;
   onTool: (tool: "try" | "robot") => void;
@@ -23,11 +24,12 @@ interface Props {
 }
 
 /** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, project, savesByItself, rulePush, robotRules, onTool, onDownload }: Props) {
+export function EditorBar({ editor, project, rulePush, robotRules, onTool, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
-  const next = useNextStep(editor, savesByItself, robotRules);
-  const hasRobot = useRobot().connection.value.kind !== "none";
+  const hasVersions = useSignal(false);
+  const closeVersions = () => (hasVersions.value = false);
+  const next = useNextStep(editor, robotRules);
   const send = () => {
     onTool("robot");
     void rulePush.ask();
@@ -39,20 +41,14 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
         <MenuItem label="Format" icon="format" act={() => void editor.format()} />
         <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
         <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
-      </NeedsServer>
-      <NeedsServer changes={!hasRobot}>
-        {hasRobot ? (
-          <MenuItem label={DOWNLOAD} icon="download" act={onDownload} />
-        ) : (
-          <MenuItem label={SEND} icon="send" act={send} />
-        )}
+        <MenuItem label="Versions" icon="versions" act={() => (hasVersions.value = true)} />
       </NeedsServer>
       <hr />
     </>
   );
   return (
     <>
-      <Header title={editor.name} note={savedNote(editor, savesByItself)} menu={menu}>
+      <Header title={editor.name} note={editor.isSaved.value ? "saved" : "not saved"} menu={menu}>
         <NeedsServer changes>
           <ToolButton
             label="Save"
@@ -73,33 +69,37 @@ export function EditorBar({ editor, project, savesByItself, rulePush, robotRules
           <ToolButton label="Try on a recording" short="Try" icon="try" act={() => onTool("try")} />
         </div>
         <div class="tool-group" role="group" aria-label="Send or download">
-          <NeedsServer changes={hasRobot}>
-            {hasRobot ? (
-              <ToolButton label={SEND} short="Send" icon="send" isNext={next === "ship"} act={send} />
-            ) : (
-              <ToolButton label={DOWNLOAD} short="Download" icon="download" isNext={next === "ship"} act={onDownload} />
-            )}
+          <NeedsServer changes>
+            <ToolButton label={SEND} short="Send" icon="send" isNext={next === "send"} act={send} />
+          </NeedsServer>
+          <NeedsServer>
+            <ToolButton
+              label={DOWNLOAD}
+              short="Download"
+              icon="download"
+              isNext={next === "download"}
+              act={onDownload}
+            />
           </NeedsServer>
         </div>
       </Header>
       <ShareDialogs {...{ editor, project, sharing }} />
+      {hasVersions.value && (
+        <FormDialog title="Versions" submit="Close" isNotice isWide onSubmit={closeVersions} onClose={closeVersions}>
+          <VersionsPane editor={editor} />
+        </FormDialog>
+      )}
     </>
   );
 }
 
-type NextStep = "save" | "ship" | null;
+type NextStep = "save" | "send" | "download" | null;
 
-/** What is to be done next, as the one main button says; null while there is nothing to be done. */
-function useNextStep(editor: RuleEditor, savesByItself: boolean, robotRules: RobotRules): NextStep {
+/** What is to be done next, which alone has colour: each button stays what it is. Null while there is nothing to be done. */
+function useNextStep(editor: RuleEditor, robotRules: RobotRules): NextStep {
   const { kind } = useRobot().connection.value;
-  if (!editor.isSaved.value && !savesByItself) return "save";
+  if (!editor.isSaved.value) return "save";
   if (editor.isEmpty.value) return null;
-  return kind === "none" || robotRules.comparison.value.kind === "other" ? "ship" : null;
-}
-
-/** Whether the file holds what is open, and why it may not. */
-function savedNote(editor: RuleEditor, savesByItself: boolean): string {
-  if (editor.isSaved.value) return savesByItself ? "saved by itself" : "saved";
-  const waits = savesByItself && editor.errors.value.length > 0;
-  return waits ? "not saved while there are errors" : "not saved";
+  if (kind === "none") return "download";
+  return robotRules.comparison.value.kind === "other" ? "send" : null;
 }

@@ -6,12 +6,14 @@ import type { FileAnswer, FileKind, FoundFile, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
+import type { Trial } from "../state/trial";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { FormDialog, typedName } from "../ui/dialog";
 import { baseName, folderOf } from "../ui/files";
+import { MenuButton, MenuItem } from "../ui/header";
 import { Breakable } from "../ui/notice";
-import { ago, moment } from "../ui/numbers";
+import { ago, moment, readable } from "../ui/numbers";
 
 interface Props extends FileActsProps {
   editors: OpenEditors;
@@ -26,8 +28,10 @@ interface Row {
 /** The files of the project by folder, those that were changed last first, with what can be done with them. */
 export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
   const [wanted, setWanted] = useState("");
+  const hasRules = props.project.files.some(({ kind }) => kind === "rules");
   return (
     <>
+      {!hasRules && <p class="lead">Say how often each topic of your robot is worth sending, and when.</p>}
       <div class="row file-bar">
         <input
           type="search"
@@ -38,13 +42,11 @@ export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
           onInput={(event) => setWanted(event.currentTarget.value)}
         />
         <NeedsServer changes>
-          <Button label="New Rule File" onClick={onNew} />
+          <Button label="New Rule File" class={hasRules ? "" : "primary"} onClick={onNew} />
         </NeedsServer>
       </div>
-      <div class="file-lists">
-        <FileList {...props} {...{ wanted }} kind="rules" title="Rules" page="rules" />
-        <FileList {...props} {...{ wanted }} kind="profile" title="Topic parameters" page="topics" />
-      </div>
+      <FileList {...props} {...{ wanted }} kind="rules" title="Rules" page="rules" />
+      <FileList {...props} {...{ wanted }} kind="profile" title="Topic parameters" page="topics" />
     </>
   );
 }
@@ -70,7 +72,11 @@ function FileList({ wanted, kind, title, ...props }: ListProps) {
         {title} {all.length > 0 && <span class="quiet">{count}</span>}
       </h2>
       {rows.length === 0 && (
-        <p class="quiet">{all.length === 0 ? `None in ${project.root_name} yet.` : `None with “${wanted}”.`}</p>
+        <p class="quiet">
+          {all.length === 0
+            ? `No ${kind === "rules" ? "rule file" : "file of topic parameters"} in ${project.root_name} yet.`
+            : `None with “${wanted}”.`}
+        </p>
       )}
       <div class="file-list">
         {[...byFolder(rows)].map(([folder, some]) =>
@@ -121,18 +127,31 @@ function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
     <ul class="files">
       {rows.map(({ name, file }) => (
         <li key={name}>
-          <a href={href({ page, name })} aria-label={name}>
+          <a class="file-name" href={href({ page, name })} aria-label={name}>
             <Breakable name={baseName(name)} />
           </a>
           <span class="file-notes quiet">
+            {kind === "rules" && <LastTry trial={props.editors.tries.of(name).last.value} />}
             {kind === "rules" && <Followers name={name} />}
             {unsaved.has(name) && <span>not saved</span>}
             {file && <time title={moment(1000 * file.changed_at_s)}>{ago(1000 * file.changed_at_s, Date.now())}</time>}
           </span>
-          {file && !unsaved.has(name) && <FileActs {...props} {...{ name }} />}
+          <FileActs {...props} {...{ name }} isSaved={file !== null && !unsaved.has(name)} />
         </li>
       ))}
     </ul>
+  );
+}
+
+/** What the rules took of the link in the last try of this page. */
+function LastTry({ trial }: { trial: Trial | null }) {
+  if (trial === null) return null;
+  const { after_kb, duration_s, percent } = trial.answer;
+  const load = readable(after_kb / Math.max(duration_s, 1));
+  return (
+    <span title={`The last try, on ${trial.bag}`}>
+      {load} KB/s, {readable(percent)} % less, on {baseName(trial.bag)}
+    </span>
   );
 }
 
@@ -143,7 +162,7 @@ function Followers({ name }: { name: string }) {
     <>
       {robots.map(({ node, label }) => (
         <a key={node} class="follower" href={href({ page: "rules", name, robot: node })}>
-          followed by {label}
+          on {label}
         </a>
       ))}
     </>
@@ -162,9 +181,8 @@ interface FileActsProps {
 type Asked = "rename" | "duplicate" | null;
 
 /** What can be done with a file besides opening it. */
-function FileActs(props: FileActsProps & { name: string }) {
-  const { api, name, refresh, onDeleted, onRefused } = props;
-  const [isOpen, setIsOpen] = useState(false);
+function FileActs(props: FileActsProps & { name: string; isSaved: boolean }) {
+  const { api, name, isSaved, refresh, onDeleted, onRefused } = props;
   const [asked, setAsked] = useState<Asked>(null);
   const remove = async () => {
     const why = await refusalOf(async () => {
@@ -177,23 +195,14 @@ function FileActs(props: FileActsProps & { name: string }) {
   };
   return (
     <>
-      <Button
-        label="…"
-        class="more"
-        aria-label={`More for ${name}`}
-        title="Rename, duplicate or delete"
-        aria-expanded={isOpen}
-        onClick={() => setIsOpen(!isOpen)}
-      />
-      {isOpen && (
-        <span class="file-acts">
-          <NeedsServer changes>
-            <Button label="Rename" aria-label={`Rename ${name}`} onClick={() => setAsked("rename")} />
-            <Button label="Duplicate" aria-label={`Duplicate ${name}`} onClick={() => setAsked("duplicate")} />
-            <Button label="Delete" aria-label={`Delete ${name}`} onClick={() => void remove()} />
-          </NeedsServer>
-        </span>
-      )}
+      <MenuButton label={`More for ${name}`} icon="more">
+        <NeedsServer changes>
+          <MenuItem label="Rename" isDisabled={!isSaved} act={() => setAsked("rename")} />
+          <MenuItem label="Duplicate" isDisabled={!isSaved} act={() => setAsked("duplicate")} />
+          <MenuItem label="Delete" isDisabled={!isSaved} act={() => void remove()} />
+        </NeedsServer>
+        {!isSaved && <p class="quiet">Save it first.</p>}
+      </MenuButton>
       {asked !== null && <NameDialog {...props} isCopy={asked === "duplicate"} onClose={() => setAsked(null)} />}
     </>
   );

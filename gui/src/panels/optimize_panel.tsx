@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import type { Signal } from "@preact/signals";
-import { useEffect, useState } from "preact/hooks";
+import { effect, type Signal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
 import { type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
+import { withoutLines } from "../blocks/rule_words";
 import { href } from "../route";
 import type { ProfileRepair } from "../state/profile_repair";
 import type { RuleEditor } from "../state/rule_editor";
@@ -15,6 +16,8 @@ import { hz, kilobytes, readable, sentence } from "../ui/numbers";
 import { ProfileChangeNotice } from "./profile_choice";
 
 const AFTER_MS = 300;
+/** Findings on a profile that does not say what rates need. */
+const LACKING: ReadonlySet<string> = new Set(["profile-incomplete", "budget-not-proven"]);
 const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
@@ -23,19 +26,68 @@ interface Props {
   editor: RuleEditor;
   project: Project;
   repair: ProfileRepair;
+  rates: Signal<Optimized | null>;
   /** Whether the rates are to be downloaded as soon as they are computed. */
   wantsRates: Signal<boolean>;
 }
 
-/** Quality levels as rates within the budget, computed anew while the rules change. */
-export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
-  const [result, setResult] = useState<Optimized | null>(null);
+/**
+ * Computes rates anew whenever the rules stand still for a moment, until the returned function is called.
+ * What would be refused is asked for only if `wantsAnyway`, whose reader is told why.
+ */
+export function followRates(
+  editor: RuleEditor,
+  rates: Signal<Optimized | null>,
+  wantsAnyway: () => boolean,
+): () => void {
+  let timer: number | undefined;
+  const stop = effect(() => {
+    void editor.text.value;
+    window.clearTimeout(timer);
+    const can = canCompute(editor);
+    if (editor.profile.value === null || (can === false && !wantsAnyway())) rates.value = null;
+    else if (can || wantsAnyway())
+      timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
+  });
+  return () => {
+    stop();
+    window.clearTimeout(timer);
+  };
+}
+
+/** Whether the rules have no errors, and their profile all that rates need; null while nobody knows. */
+function canCompute({ errors, profile, surroundings }: RuleEditor): boolean | null {
+  if (errors.value.length > 0 || !/^\s*budget_kb_per_s\s*=/m.test(profile.value?.text ?? "")) return false;
+  if (!surroundings.isKnown.value) return null;
+  return !surroundings.findings.value.some(({ code }) => LACKING.has(code));
+}
+
+/** How much of the budget the rules take where they take most, and the way to what would make them fit. */
+export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rates"> & { onOpen: () => void }) {
+  const result = rates.value;
+  if (editor.profile.value === null || result === null || "refused" in result) return null;
+  const byLoad = [...result.situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
+  const most = byLoad.find(({ kind }) => kind === "worst") ?? byLoad[0];
+  if (most === undefined) return null;
+  const where = withoutLines(most.title, editor.statements.value);
+  const share = most.kb_per_s / result.budget_kb_per_s;
+  return (
+    <button
+      type="button"
+      class={result.feasible && share <= 1 ? "budget-bar" : "budget-bar over"}
+      title="What each topic takes, and what would make it fit"
+      style={{ "--share": `${Math.min(100 * share, 100)}%` }}
+      onClick={onOpen}
+    >
+      {where}: {kilobytes(most.kb_per_s)} of {kilobytes(result.budget_kb_per_s)} KB/s
+    </button>
+  );
+}
+
+/** Quality levels as rates within the budget. */
+export function OptimizePanel({ editor, project, repair, rates, wantsRates }: Props) {
+  const result = rates.value;
   const [text, profile] = [editor.text.value, editor.profile.value];
-  useEffect(() => {
-    if (profile === null) return;
-    const timer = setTimeout(() => void optimized(editor, setResult), AFTER_MS);
-    return () => clearTimeout(timer);
-  }, [text, profile]);
   const isAnswered =
     editor.profileChoice.isKnown.value &&
     (profile === null || (result?.text === text && result.profile_text === profile.text));
@@ -71,7 +123,7 @@ export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} profiles={repair} text={result.text} />
       ))}
       <div class="situations">
-        {result.situations.map((situation) => (
+        {toldOnce(result.situations).map((situation) => (
           <SituationBars
             key={`${situation.kind} ${situation.title}`}
             situation={situation}
@@ -81,6 +133,13 @@ export function OptimizePanel({ editor, project, repair, wantsRates }: Props) {
       </div>
     </div>
   );
+}
+
+/** The situations without a worst one that is that of the only rule. */
+function toldOnce(situations: readonly SituationLoad[]): readonly SituationLoad[] {
+  const rules = situations.filter(({ kind }) => kind === "rule");
+  const isRule = (worst: SituationLoad) => rules.length === 1 && worst.rules[0] === rules[0]?.rules[0];
+  return situations.filter((each) => each.kind !== "worst" || !isRule(each));
 }
 
 /** The ways to what the topic parameters lack: a recording may say it, or somebody types it. */

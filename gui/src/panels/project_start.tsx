@@ -16,25 +16,6 @@ interface Props {
   refresh: () => Promise<void>;
 }
 
-/** The recordings of the project, each a way to begin. */
-export function RecordingList({ project, onStart }: { project: Project; onStart: (bag: string) => void }) {
-  const bags = project.files.filter(({ kind }) => kind === "bag");
-  if (bags.length === 0) return null;
-  return (
-    <section class="recipes" aria-label="Recordings">
-      <h2>Start from a recording</h2>
-      <div class="row">
-        {bags.map(({ name }) => (
-          <button key={name} type="button" onClick={() => onStart(name)}>
-            {name}
-            {name.endsWith(".bag") && " (ROS 1)"}
-          </button>
-        ))}
-      </div>
-    </section>
-  );
-}
-
 /** Makes rules, topic parameters and a map of what a recording holds. */
 export function RecordingStart({ bag, ...props }: Props & { bag: string; onClose: () => void }) {
   const { api } = props;

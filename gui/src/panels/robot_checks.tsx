@@ -5,7 +5,8 @@ import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
 import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/types";
 import { holdsWords, Timeline, truthAt } from "../state/timeline";
-import { CheckChart, OtherThreshold, RuleStates } from "../try/check_chart";
+import { TimeAxis } from "../try/axis";
+import { CheckChart, OtherThreshold, RuleLanes } from "../try/check_chart";
 import { Choice } from "../ui/choice";
 import { useAnswer } from "../ui/later";
 import { clock, durationWords } from "../ui/numbers";
@@ -41,6 +42,7 @@ export function RobotChecks({ api, node, propose }: Props) {
   if (answer === null || answer.rules.length === 0) return null;
   const one = checks[found];
   const agoS = windowS - timeline.time.value;
+  const said = agoS < 1 ? "now" : clockOf(-agoS);
   return (
     <section class="robot-checks" aria-label="Rules and checks over time">
       <div class="row">
@@ -52,25 +54,27 @@ export function RobotChecks({ api, node, propose }: Props) {
           choose={setWindow}
         />
       </div>
-      <RuleStates
-        title={agoS < 1 ? "Rules now, and when they held" : `Rules at ${clockOf(-agoS)}, and when they held`}
-        rules={answer.rules.map(({ rule, line, turns }) => {
-          return { rule, line, turns, truth: truthAt(turns, timeline.time.value), decides: [] };
-        })}
-        timeline={timeline}
-        show={null}
-      />
-      {checks.length > 0 && (
-        <Choice
-          label="Value and threshold of"
-          value={chosen}
-          choices={[["", "Choose a check"], ...new Set(checks.map(titleOf))]}
-          choose={setChosen}
+      <TimeAxis timeline={timeline} label="Time of the robot" words={said} said={said}>
+        <RuleLanes
+          title={`Rules ${said === "now" ? said : `at ${said}`}, and when they held`}
+          rules={answer.rules.map(({ rule, line, turns }) => {
+            return { rule, line, turns, truth: truthAt(turns, timeline.time.value), decides: [] };
+          })}
+          timeline={timeline}
+          show={null}
         />
-      )}
-      {one && answer.values?.check === found && (
-        <CheckValues key={chosen} {...{ one, timeline, propose }} values={answer.values} answer={answer} />
-      )}
+        {checks.length > 0 && (
+          <Choice
+            label="Value and threshold of"
+            value={chosen}
+            choices={[["", "Choose a check"], ...new Set(checks.map(titleOf))]}
+            choose={setChosen}
+          />
+        )}
+        {one && answer.values?.check === found && (
+          <CheckValues key={chosen} {...{ one, timeline, propose }} values={answer.values} answer={answer} />
+        )}
+      </TimeAxis>
     </section>
   );
 }
@@ -87,7 +91,7 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
   const { limit } = one;
   const threshold = useSignal(typeof limit === "number" ? limit : 0);
   return (
-    <>
+    <div>
       <CheckChart
         {...{ timeline, values, threshold, compared: limit }}
         isFixed={propose === null}
@@ -109,7 +113,7 @@ function CheckValues({ one, values, answer, timeline, propose }: ValuesProps) {
       {propose !== null && typeof limit === "number" && (
         <OtherThreshold threshold={threshold} written={limit} write={(value) => propose(one, value)} />
       )}
-    </>
+    </div>
   );
 }
 

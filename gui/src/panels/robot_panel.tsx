@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { href } from "../route";
-import { type RobotLink, RULES_WORDS, UPDATE_RATES_HZ } from "../state/robot_link";
+import { type RobotLink, RULES_WORDS } from "../state/robot_link";
 import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { checkOfRobot, writeThreshold } from "../state/written_checks";
@@ -23,8 +22,6 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       <RulePushSteps rulePush={props.rulePush} editor={props.editor} />
       <div class="row">
         <RobotChoice link={link} />
-        <a href={href({ page: "robots", name: "" })}>All robots</a>
-        {link.node.value && <a href={href({ page: "robots", name: link.node.value })}>This robot alone</a>}
         <p>
           <Situation link={link} />
         </p>
@@ -60,20 +57,12 @@ function RobotChoice({ link }: { link: RobotLink }) {
   const robots = link.robots.value?.robots ?? [];
   if (robots.length === 0) return null;
   return (
-    <>
-      <Choice
-        label="Robot"
-        value={link.node.value ?? ""}
-        choices={robots.map(({ node, label, is_heard }) => [node, is_heard ? label : `${label} (silent)`] as const)}
-        choose={(node) => link.choose(node)}
-      />
-      <Choice
-        label="Updates (1/s)"
-        value={link.updateHz.value}
-        choices={UPDATE_RATES_HZ}
-        choose={(rate) => link.updateAt(rate)}
-      />
-    </>
+    <Choice
+      label="Robot"
+      value={link.node.value ?? ""}
+      choices={robots.map(({ node, label, is_heard }) => [node, is_heard ? label : `${label} (silent)`] as const)}
+      choose={(node) => link.choose(node)}
+    />
   );
 }
 

@@ -6,8 +6,9 @@ import type { Api } from "../api/client";
 import type { HealthLevel, HealthWords, Live, RobotEvent, RobotHistoryAnswer, TopicStatus } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
-import { type RateRing, RING_LENGTH, type RobotLink } from "../state/robot_link";
+import { type RateRing, RING_LENGTH, type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
 import { duration, linkWords } from "../state/robot_trouble";
+import { Choice } from "../ui/choice";
 import { ColumnHeads } from "../ui/data_table";
 import { useAnswer } from "../ui/later";
 import { clock, fixed, NS_PER_MS, readable } from "../ui/numbers";
@@ -104,8 +105,8 @@ function TopicRow({ link, topic, cells, linkCells }: RowProps) {
   }, [topic, cells, linkCells]);
 }
 
-/** What all topics take of the link together, and what the runtime takes of its machine. */
-export function RobotTotals({ live: { status, status_kb_per_s, accepted, recording } }: { live: Live }) {
+/** What all topics take of the link together, and what rules say, accept and record. */
+export function RobotTotals({ live: { status, accepted, recording } }: { live: Live }) {
   const sent = status.out_kb_per_s;
   const budget = status.budget_kb_per_s;
   const [shown, leftOut] = [status.blocks.length, status.blocks_left_out ?? 0];
@@ -138,12 +139,30 @@ export function RobotTotals({ live: { status, status_kb_per_s, accepted, recordi
       {recording !== null && (
         <Figure name="Records" value={recording} isTroubled={typeof status.incidents?.problem === "string"} />
       )}
-      <Figure name="Watching" value={`up to ${readable(status_kb_per_s)} KB/s`} />
-      <Figure name="Received" value={`${readable(status.in_kb_per_s)} KB/s`} />
       {leftOut > 0 && <Figure name="Rules shown" value={`${shown} of ${shown + leftOut}`} />}
-      <Figure name="CPU" value={status.cpu_percent === null ? "–" : `${fixed(status.cpu_percent, 1)} %`} />
-      <Figure name="Memory" value={status.memory_mb === null ? "–" : `${fixed(status.memory_mb, 0)} MB`} />
     </dl>
+  );
+}
+
+/** What the runtime takes of its machine, what watching it takes of the link, and which text its rules have. */
+export function RobotDetails({ link, live: { status, status_kb_per_s } }: { link: RobotLink; live: Live }) {
+  return (
+    <details>
+      <summary>Details</summary>
+      <dl class="robot-totals">
+        <Figure name="Received from its sources" value={`${readable(status.in_kb_per_s)} KB/s`} />
+        <Figure name="Its statuses" value={`up to ${readable(status_kb_per_s)} KB/s`} />
+        <Figure name="CPU" value={status.cpu_percent === null ? "–" : `${fixed(status.cpu_percent, 1)} %`} />
+        <Figure name="Memory" value={status.memory_mb === null ? "–" : `${fixed(status.memory_mb, 0)} MB`} />
+        <Figure name="SHA-256 of its rules" value={status.rules.sha256 || "–"} />
+      </dl>
+      <Choice
+        label="Updates (1/s)"
+        value={link.updateHz.value}
+        choices={UPDATE_RATES_HZ}
+        choose={(rate) => link.updateAt(rate)}
+      />
+    </details>
   );
 }
 

@@ -62,7 +62,8 @@ export function RuleOutline({ editor, robotRules, onGo, onFoldAll }: Props) {
     event.preventDefault();
   };
   const states = robotRules.states.value;
-  const marked = new Set(editor.findings.value.map(({ statement }) => statement));
+  const doubts = editor.findings.value.filter(({ severity }) => severity !== "info");
+  const marked = new Set(doubts.map(({ statement }) => statement));
   return (
     <nav class="outline" aria-label="Outline of the rules">
       <div class="row">

@@ -40,10 +40,11 @@ function StageView({ rulePush, editor }: { rulePush: RulePush; editor: RuleEdito
       return <KeptSteps rulePush={rulePush} stage={stage} />;
     case "written":
       return (
-        <p role="status">
-          {stage.node} keeps these rules, and wrote them to its file {stage.file}. What that held is beside it, in{" "}
-          {stage.previousFile}.
-        </p>
+        <Steps
+          done={4}
+          words={`${stage.node} keeps these rules, and wrote them to its file ${stage.file}. What that held is beside it, in ${stage.previousFile}.`}
+          leftS={null}
+        />
       );
     case "replaced":
       return (
@@ -136,7 +137,7 @@ function NoStatus({ words }: { words: string }) {
 }
 
 function Steps({ done, words, leftS }: { done: number; words: string; leftS: number | null }) {
-  const names = ["Checked by the robot", leftS === null ? "In force" : `In force for ${leftS} s`, "Kept"];
+  const names = ["Checked", leftS === null ? "Trial" : `Trial for ${leftS} s`, "Kept", "Written to its file"];
   return (
     <>
       <ol class="steps" aria-label="Sending the rules">

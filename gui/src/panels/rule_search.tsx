@@ -4,11 +4,11 @@ import { useComputed, useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import type { PlacedFinding, Statement } from "../api/types";
 import type { RuleState } from "../blocks/live_states";
-import { actionWords, statementTitle } from "../blocks/rule_words";
+import { actionWords, NEW_STATEMENTS, type NewStatement, statementTitle } from "../blocks/rule_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { checksOf } from "../state/statements";
-import { Button } from "../ui/button";
+import { Button, Icon } from "../ui/button";
 import { shortcutKey, useWindowEvent } from "../ui/watch";
 import { OptionRow } from "./rule_outline";
 
@@ -24,10 +24,12 @@ interface Props {
   editor: RuleEditor;
   robotRules: RobotRules;
   onGo(index: number): void;
+  /** Null where nothing can be added. */
+  onAdd: ((kind: NewStatement) => void) | null;
 }
 
 /** Finds rules by what stands in them, on whichever page of the blocks they are. */
-export function RuleSearch({ editor, robotRules, onGo }: Props) {
+export function RuleSearch({ editor, robotRules, onGo, onAdd }: Props) {
   const field = useRef<HTMLInputElement>(null);
   const query = useSignal("");
   const limit = useSignal<Limit>("all");
@@ -41,6 +43,7 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
         })
       : [],
   );
+  const additions = onAdd === null ? [] : additionsOf(query.value);
   useSearchKeys(field);
   const change = (work: () => void) => {
     work();
@@ -52,6 +55,11 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
     isOpen.value = false;
     onGo(hit.index);
   };
+  const add = (kind: NewStatement) => {
+    isOpen.value = false;
+    query.value = "";
+    onAdd?.(kind);
+  };
   const clear = () => {
     if (query.value === "" && limit.value === "all") field.current?.blur();
     query.value = "";
@@ -59,8 +67,10 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
     isOpen.value = false;
   };
   const press = (event: KeyboardEvent) => {
-    const last = Math.min(hits.value.length, SHOWN) - 1;
-    if (event.key === "Enter") go(hits.value[chosen.value]);
+    const shown = Math.min(hits.value.length, SHOWN);
+    const last = shown + additions.length - 1;
+    const addition = additions[chosen.value - shown];
+    if (event.key === "Enter") addition ? add(addition) : go(hits.value[chosen.value]);
     else if (event.key === "Escape") clear();
     else if (event.key === "ArrowDown") {
       chosen.value = isOpen.value ? Math.min(chosen.value + 1, last) : 0;
@@ -85,7 +95,9 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
         aria-label="Find a rule"
         aria-expanded={isOpen.value}
         aria-controls="found-rules"
-        aria-activedescendant={isOpen.value && hits.value.length > 0 ? `found-rule-${chosen.value}` : undefined}
+        aria-activedescendant={
+          isOpen.value && hits.value.length + additions.length > 0 ? `found-rule-${chosen.value}` : undefined
+        }
         placeholder="Find a rule ( / )"
         value={query.value}
         onFocus={() => (isOpen.value = true)}
@@ -108,14 +120,23 @@ export function RuleSearch({ editor, robotRules, onGo }: Props) {
               {hits.value.length} of {editor.shownStatements.value.length}
             </span>
           </div>
-          <FoundList hits={hits.value} chosen={chosen.value} onGo={go} />
+          <FoundList hits={hits.value} {...{ additions, add }} chosen={chosen.value} onGo={go} />
         </div>
       )}
     </search>
   );
 }
 
-function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: number; onGo(hit: Found): void }) {
+interface ListProps {
+  hits: readonly Found[];
+  additions: readonly NewStatement[];
+  chosen: number;
+  onGo(hit: Found): void;
+  add(kind: NewStatement): void;
+}
+
+function FoundList({ hits, additions, chosen, onGo, add }: ListProps) {
+  const shown = Math.min(hits.length, SHOWN);
   return (
     <>
       <div role="listbox" id="found-rules" aria-label="Rules that were found" tabIndex={-1}>
@@ -123,13 +144,24 @@ function FoundList({ hits, chosen, onGo }: { hits: readonly Found[]; chosen: num
           <OptionRow key={hit.statement.id} id={`found-rule-${at}`} isChosen={at === chosen} act={() => onGo(hit)}>
             {statementTitle(hit.statement)}
             {hit.statement.kind === "rule" && hit.statement.is_disabled && <span class="quiet"> ⊘ switched off</span>}
-            <span class="quiet line">line {hit.statement.line}</span>
+          </OptionRow>
+        ))}
+        {additions.map((kind, at) => (
+          <OptionRow key={kind} id={`found-rule-${shown + at}`} isChosen={shown + at === chosen} act={() => add(kind)}>
+            <Icon name="plus" /> {NEW_STATEMENTS[kind]}
           </OptionRow>
         ))}
       </div>
       {hits.length > SHOWN && <p class="quiet">{hits.length - SHOWN} more: type more of what you look for.</p>}
     </>
   );
+}
+
+/** What can be added that is called so; nothing is offered before somebody types. */
+function additionsOf(query: string): NewStatement[] {
+  const words = query.trim().toLowerCase();
+  const all = Object.keys(NEW_STATEMENTS) as NewStatement[];
+  return words === "" ? [] : all.filter((kind) => NEW_STATEMENTS[kind].toLowerCase().includes(words));
 }
 
 /** "/" where nobody types, and Ctrl+F outside the text and dialogs, lead to the field. */

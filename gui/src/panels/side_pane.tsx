@@ -11,23 +11,20 @@ import { type Tab, Tabs } from "../ui/choice";
 import { useRobot } from "../ui/connection";
 import { type FullScreen, FullScreenButton } from "../ui/panes";
 import { FloorChoice, MapPanel } from "./map_panel";
-import { VersionsPane } from "./versions_pane";
 
-export type Side = "text" | "map" | "versions";
+export type Side = "text" | "map";
 
 const CHOICES: Tab<Side>[] = [
   { value: "text", label: "Text" },
   { value: "map", label: "Map" },
-  { value: "versions", label: "Versions" },
 ];
 
-/** The right half: the rules as text, their zones on a map, or what was saved of them. */
+/** The right half: the rules as text, or their zones on a map. */
 export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: FullScreen }) {
   const { editor, side, full } = props;
   const floor = useMemo(() => new MapFloor(editor), []);
   const zones = useMemo(() => new ZoneEditor(editor), []);
   const isMap = side.value === "map";
-  const isTextSaved = editor.isContentSaved.value;
   const returns = useRobot().returns.value;
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap, returns]);
   useEffect(() => {
@@ -48,17 +45,12 @@ export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: 
   return (
     <div class="pane side">
       <div class="pane-bar">
-        <Tabs label="Text, map or versions" choices={CHOICES} chosen={side} />
+        <Tabs label="Text or map" choices={CHOICES} chosen={side} />
         {isMap && <FullScreenButton full={full} part="map" />}
-        {isMap ? (
-          <FloorChoice {...{ floor, editor }} />
-        ) : (
-          <span class="quiet">{isTextSaved ? "the text is saved" : "the text is not saved yet"}</span>
-        )}
+        {isMap && <FloorChoice {...{ floor, editor }} />}
       </div>
       <TextPane editor={editor} hidden={side.value !== "text"} />
       {isMap && <MapPanel {...{ editor, zones, floor }} />}
-      {side.value === "versions" && <VersionsPane editor={editor} />}
     </div>
   );
 }

@@ -48,7 +48,6 @@ export function VersionsPane({ editor }: { editor: RuleEditor }) {
           <li key={version.id} aria-label={titleOf(version)}>
             <div class="row">
               <strong>{moment(version.saved_at_ms)}</strong>
-              {version.by_itself && <span class="quiet">saved by itself</span>}
               {index === 0 && <span class="quiet">the newest</span>}
               <span class="version-tools">
                 <NeedsServer>

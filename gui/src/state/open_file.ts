@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
+import { batch, computed, type ReadonlySignal, signal } from "@preact/signals";
 import { type Api, ApiError, refusal } from "../api/client";
 import { type Draft, type DraftKind, type Drafts, type Restored, storeDraft } from "./drafts";
 
@@ -34,8 +34,6 @@ export abstract class OpenFile {
   abstract readonly content: ReadonlySignal<string>;
   /** What a save writes, as a draft holds it; another object after each change. */
   abstract readonly whole: ReadonlySignal<object>;
-  /** Whether what is there now is worth a save that nobody asks for. */
-  abstract isSound(): boolean | Promise<boolean>;
   protected abstract setContent(content: string): void;
   /** Asks the server what it says of the content of now. */
   abstract check(): Promise<void>;
@@ -120,16 +118,16 @@ export abstract class OpenFile {
     void this.check();
   }
 
-  /** Saves it where nobody else changed the file; `byItself` is whether nobody asked for it. */
-  save(byItself = false): Promise<void> {
-    return this.queued(() => this.saveOver(this.saved.value.hash, byItself));
+  /** Saves it where nobody else changed the file. */
+  save(): Promise<void> {
+    return this.queued(() => this.saveOver(this.saved.value.hash));
   }
 
   /** Replaces what the conflict is with. */
   saveAnyway(): Promise<void> {
     return this.queued(async () => {
       const hash = this.conflict.value?.hash;
-      if (hash !== undefined) await this.saveOver(hash, false);
+      if (hash !== undefined) await this.saveOver(hash);
     });
   }
 
@@ -142,10 +140,10 @@ export abstract class OpenFile {
     this.saved.value = { ...this.saved.value, content };
   }
 
-  private async saveOver(baseHash: string | null, byItself: boolean): Promise<void> {
+  private async saveOver(baseHash: string | null): Promise<void> {
     const content = this.content.value;
     const text = await this.written(this.name);
-    const done = await saveOver(this.api, this.name, text, baseHash, byItself);
+    const done = await saveOver(this.api, this.name, text, baseHash);
     this.conflict.value = "mine" in done ? done : null;
     if ("mine" in done) return;
     batch(() => {
@@ -155,7 +153,7 @@ export abstract class OpenFile {
     });
     await this.saveBeside(this.name, baseHash === null);
     if (done.note) this.message.value = `Saved ${this.name}, but no version is kept of it: ${done.note}`;
-    else if (!byItself) this.message.value = `Saved ${this.name}${this.lackWords()}`;
+    else this.message.value = `Saved ${this.name}${this.lackWords()}`;
   }
 
   /** The content that was saved as this text, as it is once it is on disk. */
@@ -266,10 +264,9 @@ export async function saveOver(
   name: string,
   text: string,
   baseHash: string | null,
-  byItself = false,
 ): Promise<{ hash: string; note?: string } | Conflict> {
   try {
-    return await api.save(name, text, baseHash, byItself);
+    return await api.save(name, text, baseHash);
   } catch (error) {
     if (!isStatus(error, 409)) throw error;
   }
@@ -354,55 +351,4 @@ function newest(texts: readonly string[]): readonly string[] {
     return letters > MOST_LETTERS || index < texts.length - MOST_STEPS;
   });
   return texts.slice(Math.min(dropped + 1, texts.length - 1));
-}
-
-const SAVE_AFTER_MS = 2000;
-const SAVE_AGAIN_AFTER_MS = 10_000;
-
-type SelfSaving = Pick<OpenFile, "whole" | "isInFile" | "conflict" | "restored" | "diskChange" | "isSound">;
-
-/**
- * Saves a file two seconds after its last change; what is there when the returned function is called, at once.
- *
- * After a conflict it waits for a person: until the file was saved, it asks no second time.
- */
-export function saveByItself(file: SelfSaving, save: () => Promise<void>): () => void {
-  let timer: number | undefined;
-  let isHeld = false;
-  let isSaving = false;
-  // A file that was removed must not come back by itself.
-  const isContested = () => file.restored.peek()?.isContested === true || file.diskChange.peek() === "gone";
-  const mayNot = () => isHeld || isSaving || file.isInFile.peek() || isContested();
-  const saveNow = async () => {
-    if (mayNot()) return;
-    isSaving = true;
-    const whole = file.whole.peek();
-    try {
-      if (await file.isSound()) await save();
-    } finally {
-      isSaving = false;
-    }
-    // A key stroke may have come meanwhile; else the server may be there again by then.
-    wait(whole === file.whole.peek() ? SAVE_AGAIN_AFTER_MS : SAVE_AFTER_MS);
-  };
-  const wait = (ms: number) => {
-    window.clearTimeout(timer);
-    timer = mayNot() ? undefined : window.setTimeout(() => void saveNow(), ms);
-  };
-  const stops = [
-    effect(() => {
-      if (file.conflict.value !== null) isHeld = true;
-      else if (file.isInFile.value) isHeld = false;
-    }),
-    effect(() => {
-      void [file.whole.value, file.isInFile.value, file.restored.value];
-      wait(SAVE_AFTER_MS);
-    }),
-  ];
-  return () => {
-    for (const stop of stops) stop();
-    if (timer === undefined) return;
-    window.clearTimeout(timer);
-    if (!mayNot()) void Promise.resolve(file.isSound()).then((isSound) => (isSound ? save() : undefined));
-  };
 }

@@ -101,10 +101,6 @@ export class ProfileEditor extends OpenFile {
     if (!this.isSaved.value) await this.check();
   }
 
-  isSound(): boolean {
-    return this.problems.peek().length === 0;
-  }
-
   override async compare(): Promise<void> {
     const [problem] = this.problems.peek();
     if (problem === undefined) await super.compare();
@@ -112,13 +108,14 @@ export class ProfileEditor extends OpenFile {
   }
 
   /** Replaces the table by one measured in a bag. */
-  async measure(bag: string): Promise<void> {
-    await this.replace(await this.contentOf((await this.api.ask("POST /api/profile/measure", { bag })).text));
+  async measure(bag: string, run: string, signal: AbortSignal): Promise<void> {
+    const { text } = await this.api.ask("POST /api/profile/measure", { bag, run }, { signal });
+    await this.replace(await this.contentOf(text));
   }
 
   /** Replaces the table by one measured on the robot for so many seconds. */
-  async measureLive(seconds: number): Promise<void> {
-    const { text } = await this.api.ask("POST /api/profile/measure-live", { seconds });
+  async measureLive(seconds: number, run: string, signal: AbortSignal): Promise<void> {
+    const { text } = await this.api.ask("POST /api/profile/measure-live", { seconds, run }, { signal });
     await this.replace(await this.contentOf(text));
   }
 

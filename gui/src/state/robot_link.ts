@@ -12,6 +12,7 @@ import {
   type RulesOrigin,
 } from "../api/types";
 import { sentence } from "../ui/numbers";
+import { duration } from "./robot_trouble";
 
 /** How often a robot's values can be asked for; the second is usual. */
 export const UPDATE_RATES_HZ = [1, 5, 20];
@@ -46,6 +47,8 @@ export class RobotLink {
   readonly connection = computed(() =>
     connectionOf(this.server.value, this.robots.value, this.node.value, this.robotsAgeS.value),
   );
+  /** The worst of all robots in a few words; empty where none is an error. */
+  readonly alarm = computed(() => alarmOf(this.robots.value?.robots ?? []));
   /** Whether the server ended, cannot be reached, or says nothing any more. */
   readonly isServerGone = computed(
     () =>
@@ -222,11 +225,20 @@ function connectionOf(server: ServerState, robots: Robots | null, node: string |
   return connectionTo(robot, robotsAgeS);
 }
 
+/** After so long silent, a robot is no longer one that rules would be sent to. */
+const EXPECTED_FOR_S = 600;
+
+function alarmOf(robots: readonly RobotSummary[]): string {
+  const bad = robots.filter(({ health }) => health?.level === "error");
+  const [worst] = bad;
+  if (!worst) return "";
+  return `${worst.label}: ${worst.health?.summary}${bad.length > 1 ? `, and ${bad.length - 1} more` : ""}`;
+}
+
 function connectionTo(robot: RobotSummary, robotsAgeS: number): Connection {
-  const silentS = Math.floor(robot.heard_s_ago + robotsAgeS);
+  const { health, label } = robot;
+  const isFailing = health?.level === "error";
   if (robot.is_heard && robotsAgeS < TRUSTED_FOR_S) {
-    const { health, label } = robot;
-    const isFailing = health?.level === "error";
     const rules = RULES_WORDS[robot.rules.origin];
     const hasRules = robot.rules.origin !== "fallback";
     const trouble = hasRules && health ? `${sentence(health.message)}.` : "";
@@ -238,11 +250,13 @@ function connectionTo(robot: RobotSummary, robotsAgeS: number): Connection {
       trouble: hasRules ? trouble : rules,
     };
   }
+  const silentS = robot.heard_s_ago + robotsAgeS;
+  const words = `silent for ${duration(silentS)}`;
   return {
-    kind: "silent",
-    isFailing: false,
-    words: `robot silent for ${silentS} s`,
-    why: `No status of ${robot.node} for ${silentS} s. Check that 'testudo run' is running and the radio is up.`,
+    kind: silentS < EXPECTED_FOR_S ? "silent" : "none",
+    isFailing,
+    words: `${label}: ${words}`,
+    why: `No status of ${robot.node} for ${duration(silentS)}. Check that 'testudo run' is running and the radio is up.`,
     trouble: "",
   };
 }

@@ -2,10 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, effect, type ReadonlySignal, signal, untracked } from "@preact/signals";
 import { ApiError, type Rules } from "../api/client";
-import type { LastingAnswer, Live, Problem, PushPreview, RobotSummary, RulesOrigin } from "../api/types";
+import type {
+  LastingAnswer,
+  Live,
+  Problem,
+  PushPreview,
+  RobotSummary,
+  RuleDocument,
+  RulesOrigin,
+  Statement,
+} from "../api/types";
 import { type RuleState, ruleStates } from "../blocks/live_states";
 import type { RobotLink } from "./robot_link";
 import type { RuleEditor } from "./rule_editor";
+import { statementsIn } from "./statements";
 
 const COMPARE_AFTER_MS = 300;
 const AGAIN_AFTER_MS = 5000;
@@ -21,11 +31,23 @@ type Comparison =
 /** The open rules beside those that the chosen robot follows. */
 export class RobotRules {
   readonly comparison = signal<Comparison>({ kind: "none" });
-  /** What the robot says of each rule now, by statement id; empty unless it follows these very rules. */
+  /** The keys of the rules when they were compared last with what the robot follows; false for those that it has otherwise. */
+  private readonly known = signal<ReadonlyMap<string, boolean>>(new Map());
+  /** The rules that the robot has otherwise or not at all, by statement id. */
+  readonly differing = computed(() => {
+    const known = this.known.value;
+    const rules = this.editor.isBroken.value ? [] : rulesIn(this.editor.document.value);
+    const others = known.size === 0 ? [] : rules.filter(({ key }) => !known.get(key ?? ""));
+    return new Set(others.map(({ id = "" }) => id));
+  });
+  /** What the robot says of each rule now, by statement id: of those that it follows as they are. */
   readonly states = computed(() => {
-    const live = this.link.calm.value;
-    if (this.comparison.value.kind !== "same" || live === null || this.editor.isBroken.value) return NONE;
-    return ruleStates(this.editor.document.value, live);
+    const [live, differing] = [this.link.calm.value, this.differing.value];
+    if (this.known.value.size === 0 || live === null || this.editor.isBroken.value) return NONE;
+    const all = ruleStates(this.editor.document.value, live);
+    // Unnamed rules are told apart by their order, which another rule may have changed.
+    const isUnsure = (id: string) => differing.size > 0 && isUnnamed(this.editor.statement(id));
+    return new Map([...all].filter(([id]) => !differing.has(id) && !isUnsure(id)));
   });
   /** What the chosen robot does now. */
   readonly live: ReadonlySignal<Live | null>;
@@ -47,6 +69,10 @@ export class RobotRules {
     const heard = computed(() => (this.link.connection.value.kind === "connected" ? this.link.node.value : null));
     // Before that there is no text, or no profile that says what its levels are.
     const ready = computed(() => (this.editor.isChecked.value ? heard.value : null));
+    const forget = effect(() => {
+      void [hash.value, heard.value];
+      this.known.value = new Map();
+    });
     const stop = effect(() => {
       void [this.editor.text.value, this.editor.profile.value, hash.value];
       const node = ready.value;
@@ -60,6 +86,7 @@ export class RobotRules {
       if (heard.value !== null) untracked(() => void this.editor.check());
     });
     return () => {
+      forget();
       stop();
       stopReading();
       stopWatching();
@@ -78,7 +105,10 @@ export class RobotRules {
     };
     try {
       if (!(await this.editor.isSound())) return tell({ kind: "unclear", why: "The text has errors." });
+      const rules = rulesIn(this.editor.document.peek());
       const preview = await this.editor.api.ask("POST /api/push/preview", { ...this.editor.rules, node });
+      if (asked === this.asked)
+        this.known.value = new Map(rules.map(({ key = "" }, at) => [key, !preview.differing_rules.includes(at)]));
       tell({ kind: preview.same ? "same" : "other", preview });
     } catch (error) {
       if (!(error instanceof ApiError)) throw error;
@@ -87,6 +117,14 @@ export class RobotRules {
       if (asked === this.asked && (error.status === 0 || error.status >= 500)) this.compareSoon(node, AGAIN_AFTER_MS);
     }
   }
+}
+
+function rulesIn(document: RuleDocument): Statement[] {
+  return statementsIn(document).filter(({ kind }) => kind === "rule");
+}
+
+function isUnnamed(statement: Statement | undefined): boolean {
+  return statement?.kind === "rule" && statement.name === null;
 }
 
 /** Where rules are on their way to a robot. */

@@ -4,10 +4,13 @@ import { batch, computed, signal } from "@preact/signals";
 import { type Api, type Rules, refusalOf } from "../api/client";
 import type { Edit, FileAnswer, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
 import { counted, readable } from "../ui/numbers";
+import { CheckQueue } from "./check_queue";
 import type { Drafts } from "./drafts";
 import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
 import { diskChangeOf, OpenFile } from "./open_file";
+import { Placeholders, worstFirst } from "./placeholders";
 import { Folds, sectionsOf, statementsIn, VocabularyCache } from "./statements";
+import { Surroundings } from "./surroundings";
 
 /** The whole text is read and checked after each pause in typing: with more blocks, somebody waits for that. */
 const MANY_BLOCKS = 1000;
@@ -28,8 +31,17 @@ export class RuleEditor extends OpenFile {
   private readonly byId = computed(() => new Map(this.statements.value.map((each) => [each.id ?? "", each])));
   /** Whether the server has read the rules with their profile: without it, levels would be errors that they are not. */
   readonly isChecked = signal(false);
-  readonly findings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
-  readonly errors = computed(() => this.findings.value.filter((finding) => finding.severity === "error"));
+  private readonly allFindings = computed(() => (this.isChecked.value ? this.document.value.findings : []));
+  readonly errors = computed(() => this.allFindings.value.filter((finding) => finding.severity === "error"));
+  readonly surroundings = new Surroundings(this.api, this.text, () => this.rules);
+  /** What was put there to be changed, until somebody changes it or uses the rules. */
+  private readonly placeholders = signal<Placeholders | null>(null);
+  /** What the checker says, the worst first: nothing of what placeholders bring. */
+  readonly findings = computed(() => {
+    const placeholders = this.placeholders.value;
+    const all = [...this.allFindings.value, ...this.surroundings.findings.value];
+    return worstFirst(all.filter((each) => !placeholders?.bring(each, this.byId.value)));
+  });
   /** What to know of a text that is too long to be edited here with ease; empty where it is not. */
   readonly tooLong = computed(() => {
     const { length } = this.statements.value;
@@ -142,6 +154,8 @@ export class RuleEditor extends OpenFile {
   edit(
     edits: (document: RuleDocument) => Edit[],
     refused: (why: string) => void = (why) => (this.message.value = why),
+    /** Whether what comes is to be changed, as a new rule is. */
+    isPlaceholder = () => false,
   ): Promise<void> {
     return this.inTurn(async () => {
       // Edits name statements by what the server read last, which must be this text; where it cannot, that was told.
@@ -152,21 +166,36 @@ export class RuleEditor extends OpenFile {
       const why = await refusalOf(async () => {
         const { text, document } = await this.api.ask("POST /api/edit", { ...this.rules, edits: wanted });
         if (text === before) return;
-        if (this.text.value === before) this.replaceText(text, document);
-        else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
+        if (this.text.value === before) {
+          const [known, found, earlier] = [this.statements.value, this.findings.value, this.placeholders.value];
+          batch(() => {
+            this.replaceText(text, document);
+            if (isPlaceholder())
+              this.placeholders.value = new Placeholders(known, found, statementsIn(document), earlier);
+          });
+        } else refused("The text was changed at the same time, so the edit in the blocks was dropped: try again");
       });
       if (why !== "") refused(why);
     });
   }
 
-  /** One-click fix of a finding, which the text must still have once it was read again. */
-  fix(finding: PlacedFinding): Promise<void> {
+  /** Shows what placeholders bring, too, as before the rules are used. */
+  showAllFindings(): void {
+    this.placeholders.value = null;
+  }
+
+  /** One-click fix of a finding, which the text must still have once it was read again; one that brings errors is not kept. */
+  async fix(finding: PlacedFinding): Promise<void> {
     const said = JSON.stringify(finding);
-    return this.edit(({ findings }) => {
-      const same = findings.find((each) => JSON.stringify(each) === said);
+    const errors = this.errors.peek().length;
+    await this.edit(({ findings }) => {
+      const same = [...findings, ...this.surroundings.findings.peek()].find((each) => JSON.stringify(each) === said);
       if (!same?.fix) this.message.value = "The text was changed at the same time, so nothing was mended: try again";
       return same?.fix ? [same.fix.edit] : [];
     });
+    if (this.errors.peek().length <= errors) return;
+    this.undo();
+    this.message.value = `“${finding.fix?.title}” would bring an error, so it was taken back`;
   }
 
   /** One-click repair of what does not fit the budget, in the text that the optimizer was asked about. */
@@ -187,10 +216,10 @@ export class RuleEditor extends OpenFile {
     if (text !== this.text.value) await this.replace(text);
   }
 
-  override async save(byItself = false): Promise<void> {
-    const isWhole = (await this.handOver?.(!byItself)) ?? true;
-    await this.attempt(() => super.save(byItself));
-    if (isWhole || byItself || !this.isInFile.value) return;
+  override async save(): Promise<void> {
+    const isWhole = (await this.handOver?.(true)) ?? true;
+    await this.attempt(() => super.save());
+    if (isWhole || !this.isInFile.value) return;
     this.message.value = `Saved ${this.name} without what is being typed`;
   }
 
@@ -321,47 +350,6 @@ interface Spot {
   offset: number;
   end_offset: number;
   from: "text" | "blocks" | "findings" | "map" | "try";
-}
-
-/** After a shorter pause typing goes on. */
-const PAUSE_MS = 300;
-
-/** Asks what rules say now, once at a time: rules of the past are not asked about. */
-export class CheckQueue {
-  private timer: number | undefined;
-  /** What is asked about last, until that is answered. */
-  private asked: Rules | null = null;
-  private asking: Promise<void> = Promise.resolve();
-
-  constructor(
-    private readonly now: () => Rules,
-    private readonly ask: (rules: Rules) => Promise<void>,
-  ) {}
-
-  /** Asks once no key came for a moment. */
-  soon(): void {
-    window.clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => void this.check(), PAUSE_MS);
-  }
-
-  async check(): Promise<void> {
-    window.clearTimeout(this.timer);
-    const rules = this.now();
-    if (this.asked?.text === rules.text && this.asked.profile_text === rules.profile_text) return this.asking;
-    this.asked = rules;
-    // A failure of the question before reaches its own caller.
-    const before = this.asking.catch(() => undefined);
-    this.asking = before.then(() => (this.asked === rules ? this.answer(rules) : undefined));
-    await this.asking;
-  }
-
-  private async answer(rules: Rules): Promise<void> {
-    try {
-      await this.ask(rules);
-    } finally {
-      if (this.asked === rules) this.asked = null;
-    }
-  }
 }
 
 /** What blocks said when they were left and the text does not say, in a few words each. */

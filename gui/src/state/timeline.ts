@@ -64,15 +64,6 @@ export class Timeline {
   }
 }
 
-/** Moves a time to where somebody presses or drags on what is as long as it. */
-export function scrubOn(event: PointerEvent, timeline: Timeline): void {
-  if (event.buttons !== 1) return;
-  const bar = event.currentTarget as Element;
-  bar.setPointerCapture(event.pointerId);
-  const { left, width } = bar.getBoundingClientRect();
-  timeline.goTo(((event.clientX - left) / width) * timeline.durationS);
-}
-
 /** How many of `sorted`, from the first on, `holds` is true of. */
 export function upTo<T>(sorted: readonly T[], holds: (one: T) => boolean): number {
   let [low, high] = [0, sorted.length];
@@ -94,20 +85,27 @@ export class Playback {
   readonly speed = signal<number>(1);
   private picture = 0;
 
-  constructor(private readonly timeline: Timeline) {}
+  constructor(
+    private readonly timeline: Timeline,
+    /** From when to when it goes round and round, instead of once to the end. */
+    private readonly loopS: readonly [number, number] | null = null,
+  ) {}
 
   /** From where the slider is; from the start where that is the end. */
   play(): void {
     const { timeline } = this;
-    if (timeline.time.peek() >= timeline.durationS) timeline.goTo(0);
+    const [startS, endS] = this.loopS ?? [0, timeline.durationS];
+    const isWithin = (timeS: number) => timeS < endS && (this.loopS === null || timeS >= startS);
+    if (!isWithin(timeline.time.peek())) timeline.goTo(startS);
     this.isPlaying.value = true;
     let beforeMs = performance.now();
     const step = (nowMs: number) => {
       // The first picture may have begun before the button was pressed.
       const passedS = Math.max(0, nowMs - beforeMs) / 1000;
       beforeMs = nowMs;
-      timeline.goTo(Math.min(timeline.durationS, timeline.time.peek() + passedS * this.speed.peek()));
-      if (timeline.time.peek() >= timeline.durationS) this.pause();
+      timeline.goTo(Math.min(endS, timeline.time.peek() + passedS * this.speed.peek()));
+      if (timeline.time.peek() >= endS && this.loopS !== null) timeline.goTo(startS);
+      if (timeline.time.peek() >= endS) this.pause();
       else this.picture = requestAnimationFrame(step);
     };
     this.picture = requestAnimationFrame(step);

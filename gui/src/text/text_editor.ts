@@ -12,7 +12,7 @@ import {
 import { defaultKeymap } from "@codemirror/commands";
 import { indentUnit } from "@codemirror/language";
 import { type Diagnostic, forEachDiagnostic, lintGutter, lintKeymap, setDiagnostics } from "@codemirror/lint";
-import { EditorSelection, EditorState, StateEffect, StateField } from "@codemirror/state";
+import { EditorSelection, EditorState, StateEffect, StateField, type Text } from "@codemirror/state";
 import {
   Decoration,
   type DecorationSet,
@@ -42,20 +42,24 @@ interface TextOwner {
 }
 
 const setSpot = StateEffect.define<{ from: number; to: number } | null>();
-const spotMark = Decoration.mark({ class: "spot" });
+const spotLine = Decoration.line({ class: "spot" });
 const spotField = StateField.define<DecorationSet>({
   create: () => Decoration.none,
   update(marks, transaction) {
     let next = marks.map(transaction.changes);
-    for (const effect of transaction.effects) {
-      if (!effect.is(setSpot)) continue;
-      const spot = effect.value;
-      next = spot && spot.to > spot.from ? Decoration.set([spotMark.range(spot.from, spot.to)]) : Decoration.none;
-    }
+    for (const effect of transaction.effects) if (effect.is(setSpot)) next = linesOf(effect.value, transaction.newDoc);
     return next;
   },
   provide: (field) => EditorView.decorations.from(field),
 });
+
+/** The whole lines of a stretch, which are marked as one piece. */
+function linesOf(spot: { from: number; to: number } | null, doc: Text): DecorationSet {
+  if (spot === null || spot.to <= spot.from) return Decoration.none;
+  const [first, last] = [doc.lineAt(spot.from).number, doc.lineAt(spot.to).number];
+  const numbers = Array.from({ length: last - first + 1 }, (_, at) => first + at);
+  return Decoration.set(numbers.map((number) => spotLine.range(doc.line(number).from)));
+}
 
 /** The text of a rule file, with marks where the checker found something. */
 export class TextEditor {
@@ -81,7 +85,6 @@ export class TextEditor {
           lintGutter(),
           EditorView.lineWrapping,
           highlightActiveLine(),
-          // The first is the inner one: a spot is one piece.
           adirfColours,
           spotField,
           EditorState.languageData.of(() => [{ commentTokens: { line: "//" } }]),

@@ -75,7 +75,6 @@ function exampleProject(project: Project): Project {
   const own = (name: string, kind: FoundFile["kind"]) => ({ name, kind, size_bytes: 0, changed_at_s: 0 });
   return {
     ...project,
-    saves_by_itself: false,
     files: [
       own(EXAMPLE_RULES, "rules"),
       own(EXAMPLE_PARAMETERS, "profile"),

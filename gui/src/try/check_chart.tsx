@@ -3,13 +3,14 @@
 import type { Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useMemo } from "preact/hooks";
-import type { Compared, Truth } from "../api/types";
-import { holdsWords, scrubOn, stretches, type Timeline, type Turns } from "../state/timeline";
+import type { Compared } from "../api/types";
+import type { Timeline, Turns } from "../state/timeline";
 import type { RuleNow } from "../state/trial";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
-import { Strip } from "./strip";
-import { WordLane, type Words } from "./word_lane";
+import { counted } from "../ui/numbers";
+import { Lane, ruleColour, TRUTH_WORDS, TruthBar, WordLane, type Words } from "./axis";
+import { Chart } from "./chart";
 
 /** The least and the greatest value of a check in bins of equal length; null where it was unknown throughout. */
 interface CheckValues {
@@ -32,7 +33,8 @@ interface Props {
   timeline: Timeline;
   /** Must stay the same object while the values are the same. */
   values: CheckValues;
-  threshold: Signal<number>;
+  /** Null where none is known. */
+  threshold: Signal<number> | null;
   /** What the check compares with; words are drawn as a lane in place of a line. */
   compared: Compared;
   /** Whether the threshold can only be looked at. */
@@ -52,7 +54,7 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
       timesS: values.greatest.map((_, bin) => (values.first_bin_s ?? 0) + (bin + 0.5) * values.bin_s),
       least: values.least,
       after: values.greatest,
-      threshold,
+      ...(threshold && { threshold }),
       isFixed,
       ...(timeWords && { timeWords }),
     }),
@@ -61,9 +63,9 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
   return (
     <>
       {typeof compared === "number" ? (
-        <Strip timeline={timeline} lines={lines} label={label}>
+        <Chart timeline={timeline} lines={lines} label={label}>
           {children}
-        </Strip>
+        </Chart>
       ) : (
         <WordLane timeline={timeline} words={values.words} compared={compared} label={label}>
           {children}
@@ -71,10 +73,9 @@ export function CheckChart({ timeline, values, threshold, isFixed = false, timeW
       )}
       <div class="truth-bars" aria-busy={isBusy}>
         {bars.map((bar) => (
-          <div key={bar.label}>
-            {bar.words && <span>{bar.words}</span>}
+          <Lane key={bar.label} timeline={timeline} caption={bar.words}>
             <TruthBar turns={bar.turns} timeline={timeline} label={bar.label} />
-          </div>
+          </Lane>
         ))}
       </div>
     </>
@@ -102,40 +103,6 @@ export function OtherThreshold({ threshold, written, write }: OtherProps) {
   );
 }
 
-const TRUTHS = ["true", "false", "unknown"] as const;
-
-/** When something held, did not, or was unknown, over a recording; pressing or dragging on it moves the time. */
-function TruthBar({ turns, timeline, label }: { turns: Turns; timeline: Timeline; label: string }) {
-  const { durationS } = timeline;
-  const paths = useMemo(() => {
-    const all = stretches(turns, durationS);
-    const path = (truth: string) =>
-      all
-        .filter((one) => one.truth === truth)
-        .map(({ fromS, toS }) => `M${fromS} 0H${toS}V1H${fromS}Z`)
-        .join("");
-    return TRUTHS.map((truth) => ({ truth, path: path(truth) }));
-  }, [turns, durationS]);
-  const scrub = (event: PointerEvent) => scrubOn(event, timeline);
-  return (
-    <svg
-      class="truth-bar"
-      role="img"
-      aria-label={`${label}: ${holdsWords(turns, durationS)}`}
-      viewBox={`0 0 ${durationS || 1} 1`}
-      preserveAspectRatio="none"
-      onPointerDown={scrub}
-      onPointerMove={scrub}
-    >
-      <title>{holdsWords(turns, durationS)}</title>
-      {paths.map(({ truth, path }) => path && <path key={truth} class={truth} d={path} />)}
-      <line x1={timeline.time.value} x2={timeline.time.value} y1={0} y2={1} />
-    </svg>
-  );
-}
-
-const TRUTH_WORDS: Record<Truth, string> = { true: "holds", false: "does not hold", unknown: "unknown" };
-
 interface StatesProps {
   title: string;
   rules: readonly RuleNow[];
@@ -144,31 +111,59 @@ interface StatesProps {
   show: ((line: number) => void) | null;
 }
 
-/** Which rules hold at the time of a timeline, what each decides, and when they held. */
-export function RuleStates({ title, rules, timeline, show }: StatesProps) {
+/** More rules than these are folded, those first that never held. */
+const MOST_OPEN = 12;
+
+/** Which rules hold at the time of a timeline, what each decides, and when they held: a lane and a colour for each. */
+export function RuleLanes({ title, rules, timeline, show }: StatesProps) {
   if (rules.length === 0) return null;
+  const all = rules.map((rule, at) => ({ rule, colour: ruleColour(at) }));
+  const held = all.filter(({ rule }) => rule.turns.some(([, truth]) => truth === "true"));
+  const open = rules.length > MOST_OPEN ? held.slice(0, MOST_OPEN) : all;
+  const folded = all.filter((one) => !open.includes(one));
+  const lanes = (some: typeof all) => (
+    <ul>
+      {some.map(({ rule, colour }) => (
+        <li key={`${rule.line} ${rule.rule}`} class={rule.decides.length > 0 ? "decides" : undefined}>
+          <Lane timeline={timeline} caption={<RuleCaption {...{ rule, colour, show }} />}>
+            <TruthBar turns={rule.turns} timeline={timeline} label={rule.rule} colour={colour} />
+          </Lane>
+        </li>
+      ))}
+    </ul>
+  );
   return (
     <section class="rule-states" aria-label="Rules at this time">
       <h3>{title}</h3>
-      <ul>
-        {rules.map((rule) => (
-          <li key={`${rule.line} ${rule.rule}`} class={rule.decides.length > 0 ? "decides" : undefined}>
-            <span class={`truth ${rule.truth}`}>{TRUTH_WORDS[rule.truth]}</span>
-            <RuleName rule={rule} show={show} />
-            <TruthBar turns={rule.turns} timeline={timeline} label={rule.rule} />
-            {rule.decides.length > 0 && (
-              <span class="quiet" title={rule.decides.join(", ")}>
-                decides {rule.decides.join(", ")}
-              </span>
-            )}
-          </li>
-        ))}
-      </ul>
+      <p class="quiet">Filled: it held; pale: unknown; empty: it did not hold.</p>
+      {lanes(open)}
+      {folded.length > 0 && (
+        <details>
+          <summary>{counted(folded.length, "further rule")}</summary>
+          {lanes(folded)}
+        </details>
+      )}
     </section>
   );
 }
 
-function RuleName({ rule, show }: { rule: RuleNow; show: ((line: number) => void) | null }) {
-  if (show === null) return <span>{rule.rule}</span>;
-  return <Button label={rule.rule} class="link" title="Show in the rules" onClick={() => show(rule.line)} />;
+type CaptionProps = Pick<StatesProps, "show"> & { rule: RuleNow; colour: string };
+
+function RuleCaption({ rule: { rule, line, truth, decides }, colour, show }: CaptionProps) {
+  return (
+    <>
+      <span class={`truth ${truth}`}>{TRUTH_WORDS[truth]}</span>
+      <i class="swatch" style={{ background: `var(${colour})` }} />
+      {show === null ? (
+        <span>{rule}</span>
+      ) : (
+        <Button label={rule} class="link" title="Show in the rules" onClick={() => show(line)} />
+      )}
+      {decides.length > 0 && (
+        <span class="quiet" title={decides.join(", ")}>
+          decides {decides.join(", ")}
+        </span>
+      )}
+    </>
+  );
 }

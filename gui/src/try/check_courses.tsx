@@ -40,38 +40,50 @@ export function CheckCourses({ editor, trial }: Props) {
         ]}
         choose={setChosen}
       />
-      {one && <CourseOfCheck key={`${chosen} ${one.words}`} {...{ editor, trial, one }} />}
+      {one && (
+        <CourseOfCheck
+          key={`${chosen} ${one.words}`}
+          {...{ one, api: editor.api, bag: trial.bag, timeline: trial }}
+          profileText={editor.profile.peek()?.text ?? null}
+          write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
+        />
+      )}
     </section>
   );
 }
 
-function CourseOfCheck({ editor, trial, one }: Props & { one: RobotCheck }) {
+interface OneProps {
+  api: Api;
+  bag: string;
+  one: Pick<RobotCheck, "check" | "condition" | "words">;
+  timeline: Timeline;
+  profileText?: string | null;
+  /** Writes another threshold into the rules. */
+  write?: (value: number) => void;
+  /** Whether nobody knows what the rules compared it with. */
+  isValueOnly?: boolean;
+}
+
+/** The value of one check over a recording, its threshold, and when it held. */
+export function CourseOfCheck({ api, bag, one, timeline, profileText = null, write, isValueOnly = false }: OneProps) {
   const { check, condition } = one;
   const written = check.value;
+  const isNumber = typeof written === "number" && !isValueOnly;
   const threshold = useSignal(typeof written === "number" ? written : 0);
-  const asked = useMemo(
-    () => ({ bag: trial.bag, check, condition, profileText: editor.profile.peek()?.text ?? null }),
-    [trial, one],
-  );
-  const { course, work } = useCheckCourse(editor.api, asked, threshold.value);
+  const asked = useMemo(() => ({ bag, check, condition, profileText }), [timeline, one]);
+  const { course, work } = useCheckCourse(api, asked, threshold.value);
   if (course === null) return <WorkProgress work={work} doing={`Reading ${check.topic} ${check.property}`} />;
   return (
     <>
-      <CourseChart {...{ asked, course, work, threshold }} timeline={trial}>
+      <CourseChart {...{ asked, course, work, threshold, timeline, isValueOnly }}>
         <strong>{one.words}</strong>{" "}
-        {typeof written === "number" && (
+        {isNumber && (
           <span class="quiet">
             Drag the red line, or move it with the arrow keys, to see when another threshold holds.
           </span>
         )}
       </CourseChart>
-      {typeof written === "number" && (
-        <OtherThreshold
-          threshold={threshold}
-          written={written}
-          write={(value) => void writeThreshold(editor, value, () => one, "The rule was changed meanwhile")}
-        />
-      )}
+      {isNumber && write && <OtherThreshold {...{ threshold, written, write }} />}
     </>
   );
 }
@@ -82,11 +94,12 @@ interface CourseProps {
   work: BagWork<CheckCourse>;
   threshold: Signal<number>;
   timeline: Timeline;
+  isValueOnly?: boolean;
   children: ComponentChildren;
 }
 
 /** A check over a recording: its values, its threshold, when it held, and that in words. */
-function CourseChart({ asked, course, work, threshold, timeline, children }: CourseProps) {
+function CourseChart({ asked, course, work, threshold, timeline, isValueOnly = false, children }: CourseProps) {
   const { check, condition } = asked;
   // The values do not depend on the threshold: they are drawn once.
   const values = useMemo(() => course, [asked]);
@@ -94,9 +107,9 @@ function CourseChart({ asked, course, work, threshold, timeline, children }: Cou
   return (
     <>
       <CheckChart
-        {...{ timeline, values, threshold, compared: check.value }}
+        {...{ timeline, values, compared: check.value, threshold: isValueOnly ? null : threshold }}
         label={`Value of ${check.topic} ${check.property}`}
-        bars={heldBars(course, condition)}
+        bars={isValueOnly ? [] : heldBars(course, condition)}
         isBusy={kind === "running"}
       >
         {children}
@@ -104,11 +117,13 @@ function CourseChart({ asked, course, work, threshold, timeline, children }: Cou
       {kind === "failed" ? (
         <WorkProgress work={work} doing="" />
       ) : (
-        <p role="status">
-          {kind === "running"
-            ? `Asking what ${threshold.value} would do …`
-            : `${check.op} ${typeof check.value === "number" ? threshold.value : check.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
-        </p>
+        !isValueOnly && (
+          <p role="status">
+            {kind === "running"
+              ? `Asking what ${threshold.value} would do …`
+              : `${check.op} ${typeof check.value === "number" ? threshold.value : check.value}: ${holdsWords(course.condition.turns, course.duration_s)}.`}
+          </p>
+        )
       )}
       <Notes notes={course.notices} />
     </>

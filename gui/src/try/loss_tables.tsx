@@ -6,7 +6,7 @@ import type { Trial } from "../state/trial";
 import { Choice } from "../ui/choice";
 import { DataTable } from "../ui/data_table";
 import { readable } from "../ui/numbers";
-import { Strip } from "./strip";
+import { Chart } from "./chart";
 
 const nameOf = (loss: TryFieldLoss) => `${loss.topic} ${loss.field}`;
 const LEAST = 0.0001;
@@ -28,7 +28,7 @@ export function LossTables({ trial }: { trial: Trial }) {
       {fields.length > 0 && (
         <Choice label="Error over time of" value={chosen} choices={fields.map(nameOf)} choose={setChosen} />
       )}
-      {field && <LossStrip key={chosen} {...{ trial, field }} />}
+      {field && <LossChart key={chosen} {...{ trial, field }} />}
       {fields.length > 0 && <FieldTable {...{ trial, fields }} />}
       <AgeTable {...{ trial, topics }} />
       {crossed.length > 0 && <CrossingTable crossings={crossed} />}
@@ -106,11 +106,11 @@ function ImageTable({ images }: { images: TryImages[] }) {
 }
 
 /** The error of one value over time. */
-function LossStrip({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
+function LossChart({ trial, field }: { trial: Trial; field: TryFieldLoss }) {
   const lines = useMemo(() => ({ after: field.error_bins }), [field]);
   return (
-    <Strip timeline={trial} lines={lines} label={`Error of ${field.topic} ${field.field}`}>
+    <Chart timeline={trial} lines={lines} label={`Error of ${field.topic} ${field.field}`}>
       <span class="quiet">Largest error in each stretch of time ({field.unit || "in its own unit"})</span>
-    </Strip>
+    </Chart>
   );
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { effect } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { RuleZones, TryIncident, TryTopic } from "../api/types";
 import type { KeptIncidents } from "../incidents/kept_incidents";
@@ -17,12 +18,13 @@ import { ColumnHeads } from "../ui/data_table";
 import { Problem } from "../ui/notice";
 import { counted, durationWords, hz, percent, readable, sizeWords } from "../ui/numbers";
 import { showOnNarrow } from "../ui/watch";
-import { RuleStates } from "./check_chart";
+import { Bar, Lane, ruleColour, TimeAxis } from "./axis";
+import { Chart } from "./chart";
+import { RuleLanes } from "./check_chart";
 import { CheckCourses } from "./check_courses";
 import { errorWords, lossWords, missedWords, StaleNotice } from "./folder_result";
 import { LossTables } from "./loss_tables";
 import { PathMap } from "./path_map";
-import { Scrubber, Strip } from "./strip";
 
 interface Props {
   editor: RuleEditor;
@@ -61,25 +63,19 @@ export function TryResult({ editor, trial, keptIncidents, changed }: Props) {
           ))}
         </div>
       )}
-      <TrialScrubber trial={trial} />
-      <RuleStates
-        title={`Rules at ${trial.time.value.toFixed(1)} s, and when they held`}
-        rules={trial.rules.value}
-        timeline={trial}
-        show={isOld ? null : (line) => editor.showLine(line)}
-      />
-      <CheckCourses {...{ editor, trial }} />
+      <TrialAxis trial={trial} map={answer.path.length > 1 && <TryMap {...{ editor, trial }} />}>
+        <RuleLanes
+          title={`Rules at ${trial.time.value.toFixed(1)} s, and when they held`}
+          rules={trial.rules.value}
+          timeline={trial}
+          show={isOld ? null : (line) => editor.showLine(line)}
+        />
+        <CheckCourses {...{ editor, trial }} />
+        <RateCharts trial={trial} />
+        <LossTables trial={trial} />
+      </TrialAxis>
       <TriedIncidents keptIncidents={keptIncidents} trial={trial} />
-      <div class="try-columns">
-        <div class="try-column">
-          {answer.path.length > 1 && <TryMap {...{ editor, trial }} />}
-          <LossTables trial={trial} />
-        </div>
-        <div class="try-column">
-          <RateStrips trial={trial} />
-          <DecisionTable trial={trial} />
-        </div>
-      </div>
+      <DecisionTable trial={trial} />
     </div>
   );
 }
@@ -130,20 +126,27 @@ export function zonesAt(rules: readonly RuleZones[], deciding: readonly string[]
 }
 
 /** The time of a try, with a tick for each decision. */
-function TrialScrubber({ trial }: { trial: Trial }) {
+function TrialAxis({ trial, map, children }: { trial: Trial; map: ComponentChildren; children: ComponentChildren }) {
   const time = trial.time.value;
   const leader = trial.leader.value;
   const decides = leader ? `${leader.rule} decides` : "defaults decide";
   return (
-    <Scrubber
+    <TimeAxis
       timeline={trial}
       label="Time in the recording (s)"
       words={`${time.toFixed(1)} s of ${durationWords(trial.durationS)}, ${decides}`}
       said={`${time.toFixed(1)} s`}
       ticksS={trial.decisionTimes}
-      before={<DecisionStep trial={trial} step={-1} label="Decision before" icon="before" />}
-      after={<DecisionStep trial={trial} step={1} label="Next decision" icon="after" />}
-    />
+      buttons={
+        <>
+          <DecisionStep trial={trial} step={-1} label="Decision before" icon="before" />
+          <DecisionStep trial={trial} step={1} label="Next decision" icon="after" />
+        </>
+      }
+      beside={map}
+    >
+      {children}
+    </TimeAxis>
   );
 }
 
@@ -165,29 +168,54 @@ function DecisionStep({ trial, step, label, icon }: { trial: Trial; step: -1 | 1
 
 const IN_DOUBT: Record<string, string> = { unknown: ", which might hold" };
 
-/** The rate of every topic over time, before and after, on one cursor. */
-function RateStrips({ trial }: { trial: Trial }) {
+/** The rate of every topic over time, before and after, with the rules that decided it. */
+function RateCharts({ trial }: { trial: Trial }) {
   return (
     <section aria-label="Rates">
       <h3>Rates (Hz) over time (s)</h3>
-      <p class="quiet">Dashed as recorded, filled with the rules. Press or drag on a chart to move the time.</p>
+      <p class="quiet">
+        Dashed as recorded, filled with the rules; below, the rule that decides. Press or drag to move the time.
+      </p>
       {trial.answer.topics.map((topic) => (
-        <RateStrip key={topic.topic} {...{ trial, topic }} />
+        <RateChart key={topic.topic} {...{ trial, topic }} />
       ))}
     </section>
   );
 }
 
-function RateStrip({ trial, topic }: { trial: Trial; topic: TryTopic }) {
+function RateChart({ trial, topic }: { trial: Trial; topic: TryTopic }) {
   const lines = useMemo(
     () => ({ before: trial.whole(topic.before_hz_bins), after: trial.whole(topic.after_hz_bins) }),
     [trial, topic],
   );
+  const parts = useMemo(() => decidedBy(trial, topic.topic), [trial, topic]);
   return (
-    <Strip timeline={trial} lines={lines} label={`Rate of ${topic.topic}`}>
-      <strong>{topic.topic}</strong> <RateNow {...{ trial, topic }} />
-    </Strip>
+    <>
+      <Chart timeline={trial} lines={lines} label={`Rate of ${topic.topic}`}>
+        <strong>{topic.topic}</strong> <RateNow {...{ trial, topic }} />
+      </Chart>
+      {parts.length > 0 && (
+        <Lane timeline={trial}>
+          <Bar {...{ timeline: trial, parts }} label={`What decides ${topic.topic}`} title={rulesIn(parts)} />
+        </Lane>
+      )}
+    </>
   );
+}
+
+/** When a rule decided the rate of a topic, in the colour of its lane; nothing where a default did. */
+function decidedBy(trial: Trial, topic: string) {
+  const { blocks, decisions } = trial.answer;
+  const own = decisions.filter((one) => one.topic === topic);
+  return own.flatMap(({ t, line, rule }, at) => {
+    const block = blocks.findIndex((one) => one.line === line && one.rule === rule);
+    const [fromS, toS] = [t, own[at + 1]?.t ?? trial.durationS];
+    return rule === null || block < 0 ? [] : [{ fromS, toS, colour: ruleColour(block), rule }];
+  });
+}
+
+function rulesIn(parts: readonly { rule: string }[]): string {
+  return [...new Set(parts.map(({ rule }) => rule))].join(", ");
 }
 
 function RateNow({ trial, topic }: { trial: Trial; topic: TryTopic }) {

@@ -67,12 +67,19 @@ const PATHS = {
   format: "M2.5 3.5h11M5.5 8h8M5.5 12.5h8M2.5 6.5 4 8l-1.5 1.5",
   book: "M8 4C6.5 2.8 4.5 2.5 2 2.5V12c2.5 0 4.5.3 6 1.5 1.5-1.2 3.5-1.5 6-1.5V2.5c-2.5 0-4.5.3-6 1.5zM8 4v9.5",
   keys: "M1.5 4.5h13v7.5h-13zM4 7h.01M6.7 7h.01M9.3 7h.01M12 7h.01M5 9.7h6",
+  versions: "M8 2.5a5.5 5.5 0 1 0 .01 0M8 5v3.5l2 1.5",
   warning: "M8 2.5 14.5 13.5h-13zM8 6.5v3.5M8 11.9v.2",
   before: "M11.5 2.5v11L3 8z",
   after: "M4.5 2.5v11L13 8z",
   plus: "M8 3v10M3 8h10",
   minus: "M3 8h10",
   fit: "M9.5 2.5h4v4M13.5 2.5l-4.5 4.5M6.5 13.5h-4v-4M2.5 13.5 7 9",
+  more: "M3 8h.01M8 8h.01M13 8h.01",
+  rules: "M2.5 2.5h7v4h-7zM4.5 6.5v7M4.5 9h9v4.5h-9",
+  topics: "M2.5 3.5h11v9h-11zM2.5 6.5h11M6.5 3.5v9",
+  robot: "M3 6.5h10v6.5H3zM8 6.5V3M6.5 3h3M5.8 9h.01M10.2 9h.01M5.5 11h5M1.5 8.5v2.5M14.5 8.5v2.5",
+  incident: "M8 1.5a6.5 6.5 0 1 0 0 13a6.5 6.5 0 1 0 0-13zM8 4.5v4.2M8 11v.2",
+  recording: "M2 8c1-4 2-4 3 0s2 4 3 0s2-4 3 0s2 4 3 0",
 } as const;
 
 export type IconName = keyof typeof PATHS;

@@ -103,7 +103,11 @@ const SIGNS = { connected: "●", silent: "◐", none: "○" };
 export function RobotState() {
   const id = useId();
   const [isPinned, setPinned] = useState(false);
-  const { kind, isFailing, words, why } = useRobot().connection.value;
+  const link = useRobot();
+  const { kind, words: ownWords, why } = link.connection.value;
+  const alarm = link.alarm.value;
+  const isFailing = alarm !== "";
+  const words = alarm || ownWords;
   return (
     <div class={`robot-state ${isFailing ? "failing" : kind}${isPinned ? " pinned" : ""}`}>
       <button
@@ -120,7 +124,7 @@ export function RobotState() {
         {why}
       </p>
       <p class="visually-hidden" role="status">
-        {kind === "silent" ? "robot silent" : words}
+        {words.replace(/ for .*/, "")}
       </p>
     </div>
   );

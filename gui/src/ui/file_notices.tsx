@@ -2,8 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useEffect, useState } from "preact/hooks";
 import { Refused, refusalOf } from "../api/client";
-import type { Project } from "../api/types";
-import { type Conflict, isStatus, type OpenFile, saveByItself } from "../state/open_file";
+import { type Conflict, isStatus, type OpenFile } from "../state/open_file";
 import { Button } from "./button";
 import { NeedsServer, useRobot } from "./connection";
 import { FormDialog, typedName } from "./dialog";
@@ -13,14 +12,11 @@ import { useUndoKeys } from "./watch";
 
 const LOOK_MS = 4000;
 
-/**
- * Brings the keys of a file that is open, looks at it on disk every few seconds and when somebody comes back to the
- * page, and saves it by itself where the project wants that; whether it does.
- */
-export function useOpenFile(file: OpenFile, project: Project, save: (byItself: boolean) => Promise<void>): boolean {
+/** Brings the keys of a file that is open, and looks at it on disk every few seconds and when somebody comes back. */
+export function useOpenFile(file: OpenFile, save: () => Promise<void>): void {
   const link = useRobot();
   const isOpen = file.isOpen.value;
-  useUndoKeys({ undo: () => file.undo(), redo: () => file.redo(), save: () => save(false) });
+  useUndoKeys({ undo: () => file.undo(), redo: () => file.redo(), save: () => save() });
   useEffect(() => {
     if (!isOpen) return;
     const look = () => {
@@ -34,9 +30,6 @@ export function useOpenFile(file: OpenFile, project: Project, save: (byItself: b
       removeEventListener("focus", look);
     };
   }, [isOpen]);
-  const savesByItself = project.saves_by_itself && isOpen && !link.onlyWatches.value;
-  useEffect(() => (savesByItself ? saveByItself(file, () => save(true)) : undefined), [savesByItself]);
-  return savesByItself;
 }
 
 interface Props {

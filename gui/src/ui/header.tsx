@@ -3,7 +3,6 @@
 import { type ComponentChildren, createContext } from "preact";
 import { useContext, useEffect, useId, useLayoutEffect, useRef, useState } from "preact/hooks";
 import { KEYS_PLACE, openDocumentation } from "../documentation";
-import { href } from "../route";
 import { Icon, type IconName } from "./button";
 import { RobotState } from "./connection";
 import { Breakable } from "./notice";
@@ -14,21 +13,20 @@ interface Props {
   note?: string;
   /** Entries of the menu, above those that every page has. */
   menu?: ComponentChildren;
+  /** Whether the page begins here: the first Tab then leads to what is before it. */
+  isStart?: boolean;
   children?: ComponentChildren;
 }
 
-/** The bar on top of every page but the first: the way home, what is open, and what can be done with it. */
-export function Header({ title, note, menu, children }: Props) {
+/** The bar on top of every page: what is open, how robots do, and what can be done. */
+export function Header({ title, note, menu, isStart = false, children }: Props) {
   const heading = useRef<HTMLHeadingElement>(null);
   useEffect(() => {
     // What had the focus went with the page before.
-    if (document.activeElement === document.body) heading.current?.focus();
+    if (!isStart && document.activeElement === document.body) heading.current?.focus();
   }, []);
   return (
     <header class="bar">
-      <a class="home-link" href={href({ page: "home", name: "" })} aria-label="Home" title="Home">
-        <img src="./icon.svg" alt="" width="26" height="26" />
-      </a>
       <div class="bar-title">
         <h1 title={title} tabIndex={-1} ref={heading}>
           <Breakable name={title} />
@@ -44,7 +42,6 @@ export function Header({ title, note, menu, children }: Props) {
         {children}
         <MenuButton label="Menu" icon="menu">
           {menu}
-          <MenuItem label="Documentation" icon="book" keys="F1" act={() => openDocumentation()} />
           <MenuItem label="Keys" icon="keys" act={() => openDocumentation(KEYS_PLACE)} />
         </MenuButton>
       </div>
@@ -62,7 +59,7 @@ const MOVES: Readonly<Record<string, (at: number, last: number) => number>> = {
 };
 
 /** A button that opens a menu, as the ARIA Authoring Practices describe it; its children are `MenuItem`s. */
-function MenuButton({ label, icon, children }: { label: string; icon: IconName; children: ComponentChildren }) {
+export function MenuButton({ label, icon, children }: { label: string; icon: IconName; children: ComponentChildren }) {
   const id = useId();
   /** The end of the menu that is pointed at when it opens; null while it is closed. */
   const [opened, setOpened] = useState<"first" | "last" | null>(null);
@@ -135,14 +132,15 @@ function startingWith(event: KeyboardEvent, items: readonly HTMLElement[], at: n
 
 interface ItemProps {
   label: string;
-  icon: IconName;
+  icon?: IconName;
+  isDisabled?: boolean;
   /** The keys that do the same. */
   keys?: string;
   act: () => void;
 }
 
 /** A line of a menu; it gives the focus back to the menu's button before it acts. */
-export function MenuItem({ label, icon, keys, act }: ItemProps) {
+export function MenuItem({ label, icon, isDisabled = false, keys, act }: ItemProps) {
   const close = useContext(CloseContext);
   return (
     <button
@@ -150,12 +148,13 @@ export function MenuItem({ label, icon, keys, act }: ItemProps) {
       role="menuitem"
       tabIndex={-1}
       aria-keyshortcuts={keys}
+      disabled={isDisabled}
       onClick={() => {
         close();
         act();
       }}
     >
-      <Icon name={icon} />
+      {icon && <Icon name={icon} />}
       <span>{label}</span>
       {keys && (
         <span class="keys" aria-hidden="true">

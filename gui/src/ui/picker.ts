@@ -57,7 +57,9 @@ export class Picker {
     const text = this.tail;
     const before = this.found[this.active]?.choice.word;
     this.found = matching(this.owner.choices(), this.isTyped ? text : "");
-    const isOpenEnded = this.isTyped && text !== "" && !this.owner.isWhole(text);
+    // A topic of which only the beginning is typed is the one that begins so.
+    const isHalf = text.startsWith("/") && this.found.filter(({ choice }) => choice.word.startsWith(text)).length === 1;
+    const isOpenEnded = this.isTyped && text !== "" && (isHalf || !this.owner.isWhole(text));
     const kept = this.found.findIndex(({ choice }) => choice.word === before);
     const same = this.found.findIndex(({ choice }) => choice.word.toLowerCase() === text.toLowerCase());
     const best = isOpenEnded && this.found[0]?.isByName ? 0 : NONE;

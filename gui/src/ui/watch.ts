@@ -16,6 +16,11 @@ export function watchTheme(changed: () => void): () => void {
   return () => query.removeEventListener("change", changed);
 }
 
+/** Whether somebody points with a finger; blocks are also made where there is no screen. */
+export function isForFingers(): boolean {
+  return "matchMedia" in globalThis && matchMedia("(pointer: coarse)").matches;
+}
+
 /** Of a page that shows one thing below the other. */
 const NARROW = "(max-width: 900px)";
 

@@ -1,13 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { IncidentRecord, Missing } from "../../src/api/types";
+import type { CheckCondition, IncidentRecord, Missing, Operator } from "../../src/api/types";
 import {
   briefly,
   furtherWords,
   missingWords,
   sinceMoment,
   sinceTrigger,
+  valueWords,
   windowWords,
 } from "../../src/incidents/missing_words";
 import { sizeWords } from "../../src/ui/numbers";
@@ -84,4 +85,23 @@ test("each further moment is said with what its condition read, and how many are
   ]);
   const { moments, further_moments, ...alone } = record;
   expect(furtherWords(alone, {})).toEqual([]);
+});
+
+test("a value is said beside what the rule compares it with", () => {
+  const check = (topic: string, property: string, op: Operator, value: number | string): CheckCondition => {
+    return { kind: "check", topic, property, op, value };
+  };
+  const checks = [
+    check("/scan", "distance", "<", 0.9),
+    check("/odom", "pose_y", ">", 1),
+    check("/odom", "pose_y", "<", 5.4),
+    check("mode", "data", "=", '"docking"'),
+  ];
+  const values = { "/scan distance": 0.885, "/odom pose_y": 6, "/ada/mode data": "docking", "/imu yaw": null };
+  expect(valueWords(values, { "/scan distance": "m", "/odom pose_y": "m" }, checks)).toEqual([
+    "/scan distance was 0.885 m, below 0.9 m",
+    "/odom pose_y was 6 m, above 1 m and not below 5.4 m",
+    "/ada/mode data was “docking”, equal to “docking”",
+    "/imu yaw was unknown or infinite",
+  ]);
 });

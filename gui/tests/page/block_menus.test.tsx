@@ -25,7 +25,9 @@ test("the menu of a default has a comment and that of the ground new blocks", as
   const host = ruler.blocks.getByCss(".blocks-host");
   const { width } = await boxOf(host);
   await host.click({ button: "right", position: { x: width - 150, y: 30 } });
-  await expect.poll(() => textsOf(lines)).toEqual(["New rate", "New rule", "Fold all", "Unfold all", ...PAGE]);
+  await expect
+    .poll(() => textsOf(lines))
+    .toEqual([...["New rate", "New rule", "New floor", "New bound"], ...["Fold all", "Unfold all", ...PAGE]]);
   await page.getByRole("menuitem", { name: "New rate" }).click();
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /", "Rule");
 });

@@ -31,7 +31,7 @@ test("both texts are kept under two names", async () => {
   await expect.element(page.getByRole("heading", { name: "mine.adirf", level: 1 })).toBeVisible();
   expect(await onDisk("mine.adirf")).toBe(MINE);
   expect(await onDisk("plain.adirf")).toBe(THEIRS);
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("plain.adirf");
   await ruler.expectLines("SetFrequency /odom 7");
 });

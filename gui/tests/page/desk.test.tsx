@@ -32,13 +32,14 @@ const MANY = 41;
 
 test("clashing rules are a pair with a way to both", async () => {
   const ruler = await openRules("clash", CLASH);
-  const pair = page.getByRole("group", { name: "Statements that this is about" }).first();
+  const others = page.getByRole("group", { name: "Other statements that this is about" });
+  const clash = page.getByRole("list", { name: "Findings" }).getByRole("listitem").filter({ has: others }).first();
   const spot = ruler.text.getByCss(".spot").first();
-  await pair.getByRole("button", { name: "Show Rule Bay" }).click();
+  await clash.getByRole("button", { name: "Show Rule Bay" }).click();
   await expect.element(ruler.text).toHaveFocus();
   await expect.element(spot).toHaveTextContent("Bay");
-  await pair.getByRole("button", { name: "Show Rule Dock" }).click();
-  await expect.element(spot).toHaveTextContent("Dock");
+  await clash.getByRole("button", { name: "Rule Dock", exact: true }).click();
+  await expect.element(spot).toHaveTextContent("SetFrequency /odom 8");
 });
 
 test("a name makes its folder and one that is not shown is refused with the real cause", async () => {
@@ -58,7 +59,7 @@ test("what is not saved is still there after a look at the first screen", async 
   const ruler = await openRules("clash", CLASH);
   await ruler.button("New rate").click();
   await expect.element(await ruler.tool("Save")).toBeEnabled();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   const entry = page.getByRole("listitem").filter({ hasText: "clash.adirf" });
   await expect.element(entry).toHaveTextContent("not saved");
   await ruler.open("clash.adirf");

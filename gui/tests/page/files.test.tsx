@@ -16,11 +16,11 @@ test("all that was deleted can be brought back later", async () => {
   const names = ["zone.adirf", RADIO] as const;
   for (const name of names) {
     await ruler.button(`More for ${name}`).click();
-    await ruler.button(`Delete ${name}`).click();
+    await page.getByRole("menuitem", { name: "Delete" }).click();
     await expect.element(page.getByRole("link", { name, exact: true })).not.toBeInTheDocument();
   }
   await ruler.open("warehouse.adirf");
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.shown(page.getByText("quality/radio.toml is deleted, and before it 1 file"));
   await ruler.write({ [RADIO]: "# theirs\n" });
   await ruler.button("Undo").click();
@@ -63,13 +63,14 @@ test("the address of a file that is not there leads home", async () => {
 });
 
 test("a ROS 1 bag is called that", async () => {
-  const ruler = await openPage("empty", { files: { "old.bag": "#ROSBAG V2.0\n" } });
-  await ruler.button("old.bag (ROS 1)").click();
+  const ruler = await openPage("empty", { files: { "old.bag": "#ROSBAG V2.0\n" }, hash: "#/recordings/" });
+  await ruler.shown(page.getByText("old.bag (ROS 1)"));
+  await ruler.button("New rules from old.bag").click();
   const dialog = page.getByRole("dialog", { name: "Start from old.bag" });
   await expect.element(dialog.getByRole("alert")).toHaveTextContent("rosbags-convert --src old.bag --dst old");
 });
 
-test("the first tab leads past the header", async () => {
+test("the first tab leads past the places and the header", async () => {
   const ruler = await openPage("empty");
   await commands.press("Tab");
   await expect.element(ruler.button("Skip to the content")).toHaveFocus();
@@ -99,7 +100,7 @@ test("the list tells what was saved and what others added", async () => {
   await ruler.text.click();
   await commands.type("// Seen again.\n");
   await ruler.save();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await expect.element(first).toHaveTextContent(/zone.adirf.*just now/);
   await ruler.write({ "of_somebody_else.adirf": RULES });
   dispatchEvent(new Event("focus"));

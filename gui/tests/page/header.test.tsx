@@ -42,7 +42,7 @@ test.each(WIDTHS_PX)("the bar of topic parameters is one row as well: %i", async
   await expectOneRow();
 });
 
-test("the bar has four things and a menu", async () => {
+test("the bar has five things, of which none changes, and a menu", async () => {
   const ruler = await openPage("empty", { files: FILES });
   await ruler.open("zone.adirf");
   const bar = page.getByRole("toolbar", { name: "Tools" });
@@ -53,6 +53,7 @@ test("the bar has four things and a menu", async () => {
     "Undo",
     "Redo",
     "Try on a recording",
+    "Send to robot",
     "Optimize and Download",
     "Menu",
   ]);
@@ -60,7 +61,7 @@ test("the bar has four things and a menu", async () => {
   const entries = bar.getByRole("menu", { name: "Menu" }).getByRole("menuitem");
   await ruler.shown(entries.first());
   const names = entries.elements().map((each) => (each as HTMLElement).innerText.split("\n")[0]);
-  expect(names).toEqual(["Format", "Import", "Export", "Send to robot", "Documentation", "Keys"]);
+  expect(names).toEqual(["Format", "Import", "Export", "Versions", "Keys"]);
   for (const [name, keys] of [
     ["Save", "Ctrl+S"],
     ["Undo", "Ctrl+Z"],

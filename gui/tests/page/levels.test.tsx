@@ -41,25 +41,64 @@ test("lines are dragged or moved by keys and the table follows", async () => {
   expect(await ruler.saved("radio.toml")).toBe(PROFILE.replace("10", "12"));
 });
 
-test("a name takes hold of its own line and does not jump", async () => {
-  const close = PROFILE.replace("1, 2, 5, 10, 15, 20", "10, 11, 12, 14, 16, 200");
-  await openPage("radio", { files: { "radio.toml": close } });
+test.each([1280, 390])("a level's name is inside its band, which ends at its line: %i", async (width) => {
+  await resize(width, 800);
+  await openPage("radio");
   await page.getByRole("link", { name: "radio.toml" }).click();
-  const [taken, ...others] = ["Unacceptable", "Marginal", "Acceptable", "Excessive"].map(cellOf) as [Locator];
   await awaitAxis();
-  const name = await boxOf(page.getByText("Unacceptable 10 Hz"));
-  const other = await boxOf(line("Marginal"));
-  const [x, y] = [other.x + other.width / 2, name.y + name.height / 2];
-  expect(x).toBeGreaterThan(name.left);
-  expect(x).toBeLessThan(name.right);
-  await commands.mouseMove(x, y);
-  await commands.mouseDown();
-  await commands.mouseMove(x - 3, y);
-  await expect.element(taken).toHaveValue("9.9");
-  await commands.mouseMove(x - 60, y, 5);
-  await commands.mouseUp();
-  await expect.poll(() => Number(typedIn(taken))).toBeLessThan(9);
-  expect(others.map(typedIn)).toEqual(["11", "12", "200"]);
+  for (const [level, hz] of Object.entries({ Unacceptable: 1, Marginal: 2, Desirable: 10, Excessive: 20 })) {
+    const name = page.getByText(`${level}, up to ${hz} Hz`);
+    const [text, band, end] = await Promise.all([
+      boxOf(name),
+      boxOf(page.getByCss(".level-band").filter({ has: name })),
+      boxOf(line(level)),
+    ]);
+    expect(band.right).toBeCloseTo(end.x + end.width / 2, 0);
+    expect(text.left).toBeGreaterThanOrEqual(band.left);
+    expect(text.right).toBeLessThanOrEqual(band.right + 1);
+  }
+});
+
+test("a new row has the focus and Enter goes on to the next cell and row", async () => {
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  await ruler.button("Add topic").click();
+  await expect.element(page.getByLabelText("Topic of row 2")).toHaveFocus();
+  for (const typed of ["/imu", "0.3", "1", "2", "5", "10", "20", "50"]) {
+    await commands.type(typed);
+    await commands.press("Enter");
+  }
+  await expect.element(page.getByLabelText("Excessive (Hz) of /imu", { exact: true })).toHaveValue("50");
+  await expect.element(page.getByLabelText("Priority of /imu")).toHaveFocus();
+  await commands.press("Enter");
+  await commands.press("Enter");
+  await expect.element(page.getByLabelText("Topic of row 3")).toHaveFocus();
+});
+
+test("names of topics are told apart on a telephone", async () => {
+  await resize(390, 844);
+  const topic = (name: string) => `[topics."/camera/image_raw${name}"]\nmessage_kb = 1\n`;
+  await openPage("radio", { files: { "radio.toml": topic("") + topic("/compressed") } });
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  await expect.element(page.getByLabelText("Topic of row 2")).toBeVisible();
+  const fields = [...document.querySelectorAll<HTMLInputElement>("input.topic")];
+  expect(fields.map(({ scrollWidth, clientWidth }) => scrollWidth <= clientWidth)).toEqual([true, true]);
+});
+
+test("measuring shows how far it is and Cancel leaves the table as it was", async () => {
+  const ruler = await openPage("radio");
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  const release = ruler.network.hold("POST /api/profile/measure");
+  const choice = page.getByLabelText("Measure in");
+  await choice.selectOptions("monday");
+  await expect.element(page.getByRole("progressbar", { name: "Measuring" })).toBeVisible();
+  await expect.element(choice).not.toBeInTheDocument();
+  await ruler.button("Cancel").click();
+  await expect.element(page.getByText("Cancelled.")).toBeVisible();
+  release();
+  await expect.element(cellOf("Desirable")).toHaveValue("10");
+  await choice.selectOptions("monday");
+  await expect.element(page.getByLabelText("Topic of row 2")).toBeVisible();
 });
 
 test.each([1440, 1280, 900])("the button that removes a topic is whole at every width: %i", async (width) => {

@@ -165,7 +165,7 @@ test("an image has the scale that somebody gives it", async () => {
   await expect.element(problem).not.toBeInTheDocument();
   await ruler.press(turn, "Tab");
   await ruler.save();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("bay.adirf");
   await MapPage.open(ruler);
   await expect.element(scale).toHaveValue("0.5");

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { expect, test } from "vitest";
+import { expect, onTestFinished, test } from "vitest";
 import { commands, type Locator, page } from "vitest/browser";
 import { boxOf, openPage, type RulerPage, resize } from "./ruler_page";
 
@@ -22,11 +22,21 @@ tiers_hz = [1, 2, 5, 10, 15, 20]
 `;
 const NAMED_KEYS = ["Enter", "Tab", "Escape", "End", "ArrowUp"];
 
+test.each(["Enter", "Tab"])("%s takes the one topic that begins as what is typed", async (key) => {
+  const ruler = await openDock();
+  await (await ruler.field("Edit topic to send")).click();
+  await commands.type("/im");
+  await expect.element(option("/imu")).toHaveAttribute("aria-selected", "true");
+  await commands.press(key);
+  await ruler.expectLines("SetFrequency /imu 4");
+});
+
 test("a name that nobody knows is kept as typed", async () => {
   const ruler = await openDock();
   await (await ruler.field("Edit topic to send")).click();
-  await commands.type("/odo");
-  await ruler.shown(option("/odom"));
+  await keys("/odo", "ArrowUp");
+  const half = page.getByRole("option", { name: "/odo as typed" });
+  await expect.element(half).toHaveAttribute("aria-selected", "true");
   await commands.press("Enter");
   await ruler.expectLines("SetFrequency /odo 4");
   await (await ruler.field("Edit topic to send: /odo")).click();
@@ -91,7 +101,7 @@ test.each([1280, 820, 390])("a list is whole on every screen: %i", async (width)
   await resize(width, 800);
   const ruler = await openDock();
   // The text of the selected rule would stand beside the list.
-  await page.getByRole("tab", { name: "Versions" }).click();
+  await page.getByRole("tab", { name: "Map" }).click();
   await (await ruler.field("Edit topic to send")).click();
   // It is put where there is room for it once it is filled.
   await expect
@@ -106,19 +116,23 @@ test("an open list lets the page rest", async () => {
   const ruler = await openDock();
   await (await ruler.field("Edit topic to send")).click();
   await ruler.shown(option("/odom"));
-  // Findings that come later are drawn on the blocks.
-  await ruler.shown(page.getByRole("tab", { name: /Findings \(\d+\)/ }));
   const ask = window.requestAnimationFrame;
-  const picture = () => new Promise((next) => ask.call(window, next));
-  for (let count = 0; count < 10; count++) await picture();
+  onTestFinished(() => {
+    window.requestAnimationFrame = ask;
+  });
   let asked = 0;
   window.requestAnimationFrame = (act) => {
     asked++;
     return ask.call(window, act);
   };
-  for (let count = 0; count < 30; count++) await picture();
-  window.requestAnimationFrame = ask;
-  expect(asked).toBe(0);
+  // Findings that come later are drawn on the blocks first.
+  await expect
+    .poll(async () => {
+      asked = 0;
+      for (let count = 0; count < 30; count++) await new Promise((next) => ask.call(window, next));
+      return asked;
+    })
+    .toBe(0);
 });
 
 async function openDock(): Promise<RulerPage> {

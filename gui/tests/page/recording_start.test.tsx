@@ -6,7 +6,8 @@ import { openPage } from "./ruler_page";
 
 test("only what is wanted is made", async () => {
   const ruler = await openPage("monday");
-  await page.getByRole("region", { name: "Recordings" }).getByRole("button", { name: "monday" }).click();
+  await page.getByRole("link", { name: "Recordings" }).click();
+  await ruler.button("New rules from monday").click();
   const dialog = page.getByRole("dialog", { name: "Start from monday" });
   await dialog.getByLabelText("Measure sizes").click();
   await expect.element(dialog.getByLabelText("Measure sizes")).not.toBeChecked();

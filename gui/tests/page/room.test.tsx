@@ -16,6 +16,9 @@ end
 `;
 const OPTIMIZE = "Optimize and Download";
 
+/** The places of the page are beside the panes. */
+const RAIL_PX = 92;
+
 test("panes are as large as somebody left them", async () => {
   const ruler = await openZone("empty");
   const line = page.getByRole("separator", { name: "Width of the blocks" });
@@ -29,7 +32,7 @@ test("panes are as large as somebody left them", async () => {
   await ruler.reload();
   await expect.element(line).toHaveAttribute("aria-valuenow", "46");
   await expect.element(low).toHaveAttribute("aria-valuenow", "83");
-  await expect.poll(async () => (await boxOf(ruler.blocks)).width / WIDTH_PX).toBeCloseTo(0.46, 2);
+  await expect.poll(async () => (await boxOf(ruler.blocks)).width / (WIDTH_PX - RAIL_PX)).toBeCloseTo(0.46, 2);
 });
 
 test("the line between panes is pulled", async () => {
@@ -37,7 +40,7 @@ test("the line between panes is pulled", async () => {
   const line = page.getByRole("separator", { name: "Width of the blocks" });
   await line.hover();
   await commands.mouseDown();
-  await commands.mouseMove(WIDTH_PX / 2, 400, 4);
+  await commands.mouseMove((WIDTH_PX + RAIL_PX) / 2, 400, 4);
   await commands.mouseUp();
   await expect.element(line).toHaveAttribute("aria-valuenow", "50");
   await commands.mouseMove(WIDTH_PX / 4, 400);

@@ -73,11 +73,11 @@ test("a copy stands behind its rule with all comments", async () => {
 
 test("a rule moves with its comments", async () => {
   const ruler = await openThree();
-  await ruler.blocks.getByRole("button", { name: "Move this rule down" }).first().click();
+  await move(ruler, "A", "down");
   await ruler.expectLines('Rule "B"', "// Why there is A.", 'Rule "A"');
   // The blocks follow the text: then the focus is on the rule that moved.
   await ruler.awaitFocus("rule, A");
-  await (await ruler.field("Move this rule up")).click();
+  await move(ruler, "A", "up");
   await ruler.expectLines("// Why there is A.", 'Rule "A"', 'Rule "B"');
   await expect.element(await ruler.tool("Save")).toBeDisabled();
 });
@@ -126,6 +126,14 @@ test("the menu of a rule offers the same", async () => {
   await entry("Move this rule down").click();
   await ruler.expectLines('Rule "B"', 'Rule "A"');
 });
+
+/** By the menu of its block. */
+async function move(ruler: RulerPage, rule: string, where: "up" | "down"): Promise<void> {
+  const name = page.getByRole("button", { name: `Edit name of the rule: ${rule}`, exact: true });
+  const block = ruler.blocks.getByCss(".adirf_rule").filter({ has: name });
+  await block.click({ button: "right", position: { x: 60, y: 8 } });
+  await page.getByCss(".blocklyContextMenu").getByText(`Move this rule ${where}`, { exact: true }).click();
+}
 
 async function openThree(): Promise<RulerPage> {
   const ruler = await openPage("empty", { files: { "three.adirf": THREE } });

@@ -22,7 +22,7 @@ test("all is read and checked again when the server is back", async () => {
   await expect.poll(() => errors.length).toBe(1);
   await expect.element(page.getByText(AS_OF)).not.toBeInTheDocument();
   await expect.element(await ruler.tool("Save")).toBeEnabled();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.shown(page.getByRole("link", { name: "other.adirf", exact: true }));
 });
 

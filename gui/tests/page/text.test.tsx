@@ -30,7 +30,7 @@ test("blocks that go together are one request and one step back", async () => {
   const ruler = await openPage("empty", { files: { "stack.adirf": rules } });
   await ruler.open("stack.adirf");
   await (await ruler.field("Edit topic to send: /b")).hover();
-  const { left, top } = await boxOf(page.getByRole("treeitem", { name: "Rates" }));
+  const { left, top } = await boxOf(page.getByRole("treeitem", { name: "Rules" }));
   await commands.mouseDown();
   await commands.mouseMove(left + 10, top + 10, 12);
   await commands.mouseUp();

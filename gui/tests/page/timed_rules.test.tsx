@@ -57,12 +57,13 @@ test("the position is kept within 5 cm while the battery is low for 10 s", async
   await expect.element(decisions.filter({ hasText: "23.0" })).toHaveTextContent("Full");
 });
 
-test("times come from the list of blocks and stand inside or outside of a not", async () => {
+test("times stand inside or outside of a not", async () => {
   const ruler = await openNew("empty");
   const check = ruler.blocks.getByRole("figure", { name: "/odom, pose_x" });
   await ruler.button("New rule").click();
   await ruler.change("Edit value: 0", "1");
-  await dragBelow(ruler, "Times", "/odom", check);
+  await dragBelow(ruler, "Checks", "/odom", check);
+  await addTime(ruler, "for so long…");
   await ruler.expectLines("(CheckValue /odom pose_x > 1 AND CheckValue /odom pose_x > 0 For 10 s)");
   await (await ruler.field("Remove this check")).click();
   await ruler.expectLines("If CheckValue /odom pose_x > 1", "Then");

@@ -161,7 +161,7 @@ test("the table starts with the topics of the rules and leads back", async () =>
 
 test("from the first screen a new table is for the only rules", async () => {
   const ruler = await openPage("empty", { files: { "aisle.adirf": "begin\n    SetFrequency /lift 5\nend\n" } });
-  await ruler.button("Configure Topic Parameters").click();
+  await page.getByRole("link", { name: "Topics", exact: true }).click();
   await expect.element(page.getByLabelText("Topic of row 1")).toHaveValue("/lift");
   await expect.element(page.getByText("aisle.toml, new, not saved")).toBeVisible();
   await expect.element(page.getByRole("link", { name: "Back to aisle.adirf" })).toBeVisible();

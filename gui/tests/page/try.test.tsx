@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import { commands, type Locator, page } from "vitest/browser";
-import { boxOf, openPage, type RulerPage } from "./ruler_page";
+import { violations } from "./axe";
+import { boxOf, openPage, type RulerPage, resize } from "./ruler_page";
 
 const RULES = `\
 begin
@@ -52,12 +53,12 @@ test("a result stays with its file and says what changed since", async () => {
   await ruler.press(time, "End");
   const replays = ruler.network.count("POST /api/try");
 
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("other.adirf");
   await ruler.use("Try on a recording");
   await expect.element(ruler.button(RUN)).toBeVisible();
   await expect.element(page.getByText("% less sent")).not.toBeInTheDocument();
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("monday.adirf");
   await ruler.use("Try on a recording");
   await expect.element(time).toHaveValue("7.96");
@@ -76,7 +77,7 @@ test("a try goes on while another page is looked at", async () => {
   const release = ruler.network.hold("POST /api/try");
   await ruler.button(RUN).click();
   await expect.poll(() => ruler.network.count("POST /api/try")).toBe(1);
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("far.adirf");
   await ruler.use("Try on a recording");
   release();
@@ -135,6 +136,34 @@ test("a threshold that is dragged says when it would have held", async () => {
   await ruler.expectLines(`CheckValue /odom pose_y > ${value}`);
   await expect.element(page.getByText(STALE)).toBeVisible();
   await awaitZones(ruler, `pose_y > ${value}`);
+});
+
+test.each([1440, 820, 390])("what stands below each other is at the same time: %i", async (width) => {
+  await resize(width, 900);
+  const ruler = await openPage("monday", { files: FILES });
+  await tryRules(ruler, "far.adirf");
+  await page
+    .getByRole("region", { name: "Why this threshold" })
+    .getByRole("combobox")
+    .selectOptions("/odom pose_y > 2 (Far)");
+  await expect.element(page.getByRole("img", { name: /^The condition: / })).toBeInTheDocument();
+  const plots = [...document.querySelectorAll(".scrubber-track, .lane-plot, .lane .u-over, .stretches")];
+  expect(plots.length).toBeGreaterThan(10);
+  const edges = plots.map((plot) => plot.getBoundingClientRect()).map(({ left, right }) => [left, right]);
+  // The middle of the slider's thumb is the time.
+  const { left, right } = await boxOf(page.getByRole("slider", { name: "Time in the recording (s)" }));
+  const [first = [0, 0]] = edges;
+  for (const [one = 0, other = 0] of [...edges, [left + 8, right - 8]]) {
+    expect(Math.abs(one - (first[0] ?? 0))).toBeLessThanOrEqual(1);
+    expect(Math.abs(other - (first[1] ?? 0))).toBeLessThanOrEqual(1);
+  }
+  // One colour a rule: that of its lane, its name, and of the rates that it decides.
+  const colours = [".rule-states .stretches path", '[aria-label="What decides /scan"] path'].map(
+    (selector) => getComputedStyle(document.querySelector(selector) as Element).fill,
+  );
+  const swatch = getComputedStyle(document.querySelector(".swatch") as Element).backgroundColor;
+  expect(colours).toEqual([swatch, swatch]);
+  expect(await violations()).toEqual([]);
 });
 
 async function tryRules(ruler: RulerPage, name: string): Promise<void> {

@@ -38,7 +38,7 @@ test("a run goes on with its rules and keeps what is done where it is cancelled"
   release = ruler.network.hold(TRY, "runs/b_long");
   await ruler.button(RUN).click();
   await expect.element(progress()).toHaveTextContent("1 of 4");
-  await page.getByRole("link", { name: "Home" }).click();
+  await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("far.adirf");
   await ruler.use("Try on a recording");
   await ruler.button("Cancel").click();

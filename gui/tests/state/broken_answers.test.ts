@@ -1,14 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { signal } from "@preact/signals";
 import { afterEach, expect, test, vi } from "vitest";
 import { Api, ApiError } from "../../src/api/client";
-import type { Restored } from "../../src/state/drafts";
-import { type Conflict, type DiskChange, saveByItself } from "../../src/state/open_file";
-import { CheckQueue } from "../../src/state/rule_editor";
+import { CheckQueue } from "../../src/state/check_queue";
 import { brokenOff, openRules, serve } from "./served";
-
-declare const process: { once: (event: "unhandledRejection", told: () => void) => void };
 
 afterEach(() => {
   vi.useRealTimers();
@@ -74,26 +69,4 @@ test("a check that met a bug costs no later one", async () => {
   rules.text = "two";
   await queue.check();
   expect(asked).toEqual(["one", "two"]);
-});
-
-test("a save by itself that met a bug costs no later one", async () => {
-  vi.useFakeTimers();
-  vi.stubGlobal("window", globalThis);
-  const [whole, isInFile] = [signal({ text: "one" }), signal(false)];
-  const save = vi.fn(async () => {
-    if (whole.value.text === "one") throw new TypeError("a bug");
-    isInFile.value = true;
-  });
-  const told = vi.fn();
-  process.once("unhandledRejection", told);
-  const [conflict, restored] = [signal<Conflict | null>(null), signal<Restored | null>(null)];
-  const diskChange = signal<DiskChange | null>(null);
-  const file = { whole, isInFile, conflict, restored, diskChange, isSound: () => true };
-  const stop = saveByItself(file, save);
-  await vi.advanceTimersByTimeAsync(2000);
-  whole.value = { text: "two" };
-  await vi.advanceTimersByTimeAsync(2000);
-  stop();
-  expect([save.mock.calls.length, isInFile.value]).toEqual([2, true]);
-  expect(told).toHaveBeenCalledOnce();
 });

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
 import type { DraftStorage, Drafts } from "../../src/state/drafts";
-import { type OpenFile, saveByItself } from "../../src/state/open_file";
+import type { OpenFile } from "../../src/state/open_file";
 import {
   type Answers,
   type Disk,
@@ -109,14 +109,6 @@ describe.each([RULES, TABLE])("a file of $kind that is open", ({ kind, name, ope
     expect(file.isSaved.value).toBe(false);
     file.redo();
     expect([shown(file), file.isSaved.value]).toEqual([text(11), true]);
-  });
-
-  test("says nothing of a save that nobody asked for", async () => {
-    const disk: Disk = { text: text(10) };
-    const file = await open(disk);
-    type(file, 11);
-    await file.save(true);
-    expect([disk.text, file.message.value]).toEqual([text(11), ""]);
   });
 
   test("is not called saved where something was typed during the save", async () => {
@@ -310,15 +302,6 @@ describe.each([RULES, TABLE])("a file of $kind that is open", ({ kind, name, ope
     disk.text = text(7);
     await file.lookAtDisk();
     expect([shown(file), file.isSaved.value, file.diskChange.value]).toEqual([text(7), true, null]);
-  });
-
-  test("is not saved by itself where somebody removed it", async () => {
-    const { disk, file } = await contested(null);
-    await file.lookAtDisk();
-    const stop = saveByItself(file, () => file.save(true));
-    await vi.advanceTimersByTimeAsync(60_000);
-    stop();
-    expect([disk.text, file.conflict.value, shown(file)]).toEqual([null, null, text(11)]);
   });
 
   test("is written again by a save that was told that it is gone", async () => {

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { signal } from "@preact/signals";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
 import { RobotRules } from "../../src/state/robot_rules";
@@ -37,4 +38,44 @@ test.each(["GET /api/file", "POST /api/profile/for"])("rules are compared only o
   await opened;
   stop();
   expect(compared.mock.calls.map(([{ text }]) => text)).toEqual([RULES]);
+});
+
+test("an edit leaves the states on the rules that the robot has, and marks those that it has otherwise", async () => {
+  const rule = (id: string, key: string, value: number) => ({
+    // biome-ignore lint/suspicious/noThenProperty: as the server writes it
+    ...{ kind: "rule", id, key, name: id, label: id, priority: 0, is_disabled: false, then: [], else: [], line: 1 },
+    condition: { kind: "check", topic: "/odom", property: "pose_x", op: ">", value },
+  });
+  const documents = {
+    [RULES]: [rule("s1", "a", 1), rule("s2", "b", 2)],
+    [`${RULES}// b\n`]: [rule("s1", "a", 1), rule("s2", "B", 3)],
+  };
+  const differing = { [RULES]: [], [`${RULES}// b\n`]: [1] };
+  const link = linkOf(robotOf("/ada"));
+  serve({
+    ...fileAnswers("a.adirf", { text: RULES }),
+    "POST /api/document": ({ text = "" }) => ({
+      ...{ findings: [], parses: true },
+      collections: [{ statements: documents[text as keyof typeof documents] ?? [] }],
+    }),
+    "POST /api/profile/for": () => ({ name: null, gone: null }),
+    "POST /api/push/preview": ({ text = "" }) => ({
+      same: text === RULES,
+      differing_rules: differing[text as keyof typeof differing],
+    }),
+  });
+  const editor = new RuleEditor(new Api(), "a.adirf", draftsIn());
+  const block = { state: "true", checks: [], times: [] };
+  const live = { status: { blocks: [block, block] }, labels: ["s1", "s2"], checks: [] };
+  Object.assign(link, { calm: signal(live) });
+  const robotRules = new RobotRules(editor, link);
+  const stop = robotRules.follow();
+  await editor.open();
+  await vi.advanceTimersByTimeAsync(LONG_MS);
+  const seen = () => [[...robotRules.states.value.keys()], [...robotRules.differing.value]];
+  expect(seen()).toEqual([["s1", "s2"], []]);
+  editor.type(`${RULES}// b\n`);
+  await vi.advanceTimersByTimeAsync(LONG_MS);
+  expect(seen()).toEqual([["s1"], ["s2"]]);
+  stop();
 });

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import type { HealthWords, LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
-import { byTrouble, followersOf, inOrderOf, linkWords, rulesFor, troubleOf } from "../../src/state/robot_trouble";
+import type { LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
+import { duration, followersOf, inOrderOf, linkWords, rulesFor } from "../../src/state/robot_trouble";
 
 const LINK: LinkState = {
   connected: true,
@@ -18,12 +18,6 @@ const RULES: RulesInForce = {
   origin: "files",
   waits_s: null,
 };
-const ERROR: HealthWords = { level: "error", summary: "no valid rules", message: "no valid rules: all is relayed" };
-const WARNING: HealthWords = {
-  level: "warn",
-  summary: "no operator is connected over the link",
-  message: "no operator is connected over the link",
-};
 const WELL: RobotSummary = {
   node: "/ada",
   label: "ada",
@@ -35,8 +29,7 @@ const WELL: RobotSummary = {
   budget_kb_per_s: 100,
   out_kb_per_s: 60,
   link: LINK,
-  lost: 0,
-  oldest: { topic: "/scan", age_ms: 80 },
+  recorded: 0,
 };
 const named = (label: string, changes: Partial<RobotSummary> = {}): RobotSummary => ({
   ...WELL,
@@ -51,43 +44,17 @@ const withFiles = (names: string[], opened: string | null = null): Project => ({
   files: names.map((name) => ({ name, kind: name.endsWith(".toml") ? "profile" : "rules" })) as Project["files"],
 });
 
-test.each<[Partial<RobotSummary>, string]>([
-  [{ is_heard: false, heard_s_ago: 12.2 }, "silent for 15 s"],
-  [{ is_heard: false, heard_s_ago: 200 }, "silent for 3 min"],
-  [{ health: ERROR }, "no valid rules"],
-  [{ health: WARNING, lost: 1 }, "no operator is connected over the link"],
-  [{ lost: 1 }, "1 message lost"],
-  [{ lost: 1200 }, "1 200 messages lost"],
-  [{ out_kb_per_s: 101 }, "sends more than its budget"],
-  [{ oldest: { topic: "/scan", age_ms: 1500 } }, "/scan arrives late"],
-])("a robot with %j is in trouble", (changes, words) => {
-  expect(troubleOf(named("ada", changes), 3)?.words).toBe(words);
-});
+test.each([
+  [7.9, "7 s"],
+  [119, "119 s"],
+  [582, "9 min"],
+  [7200, "2 h"],
+  [400_000, "4 days"],
+])("%d s are said as the server says them", (seconds, words) => expect(duration(seconds)).toBe(words));
 
-test.each<Partial<RobotSummary>>([
-  {},
-  { link: null, oldest: null, budget_kb_per_s: null },
-  { out_kb_per_s: 100 },
-  { rules: { ...RULES, origin: "waiting", waits_s: 5 } },
-])("a robot with %j is well", (changes) => {
-  expect(troubleOf(named("ada", changes))).toBeNull();
-});
-
-test("the silent come first, the longest before all, then other troubles, then the oldest, then by name", () => {
-  const robots = [
-    named("zoe", { link: null, oldest: null }),
-    named("bob", { link: null, oldest: null }),
-    named("late", { oldest: { topic: "/scan", age_ms: 1500 } }),
-    named("old", { oldest: { topic: "/scan", age_ms: 300 } }),
-    named("new"),
-    named("gone", { is_heard: false, heard_s_ago: 300 }),
-    named("away", { is_heard: false, heard_s_ago: 9 }),
-    named("alone", { health: WARNING }),
-    named("lawless", { health: ERROR }),
-  ];
-  const order = ["gone", "away", "lawless", "alone", "late", "old", "new", "bob", "zoe"];
-  expect(byTrouble(robots).map(({ label }) => label)).toEqual(order);
-  expect(byTrouble([...robots].reverse()).map(({ label }) => label)).toEqual(order);
+test("rows that nobody holds are in the server's order", () => {
+  const robots = [named("new"), named("ada"), named("bob")];
+  expect(inOrderOf([], robots)).toEqual(robots);
 });
 
 test("rows that are held keep their order, and a robot that comes is the last", () => {

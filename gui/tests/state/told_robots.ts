@@ -11,7 +11,7 @@ const RULES: RulesInForce = { files: [], sha256: "old", origin: "files", waits_s
 export function robotOf(node: string, rules: Partial<RulesInForce> = {}, isHeard = true): RobotSummary {
   return {
     ...{ node, label: node, is_heard: isHeard, heard_s_ago: 0, topics: 1, rules: { ...RULES, ...rules } },
-    ...{ budget_kb_per_s: null, out_kb_per_s: 0, link: null, lost: 0, oldest: null, health: null },
+    ...{ budget_kb_per_s: null, out_kb_per_s: 0, link: null, health: null, recorded: 0 },
   };
 }
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from smarttestudo.bags.definitions import TypeLibrary
 from smarttestudo.bags.topic_selection import select_topics
@@ -16,6 +16,7 @@ from smarttestudo.optimizer.profiling import TierProposal, TopicMeasure, profile
 
 # More than a message with a pose, a robot's frames or its joints takes; images need not be read.
 _HEAD_BYTES = 1 << 16
+_MESSAGES_PER_REPORT = 1000
 
 
 def profile_of_recording(
@@ -25,6 +26,7 @@ def profile_of_recording(
     patterns: Sequence[str] = (),
     proposals: Mapping[str, TierProposal] | None = None,
     levels: Profile | None = None,
+    report: Callable[[float], None] | None = None,
 ) -> str:
     """The text of a profile of the topics of ``recording``, which is called ``name``.
 
@@ -48,7 +50,10 @@ def profile_of_recording(
         if channel.topic in chosen and is_topic_name(channel.topic)
     }
     head_bytes = _HEAD_BYTES if any(one.needs_payload for one in measures.values()) else 0
-    for channel, stamp_ns, (size_bytes, head) in recording.heads(head_bytes):
+    length_ns = max(recording.end_ns - recording.start_ns, 1)
+    for number, (channel, stamp_ns, (size_bytes, head)) in enumerate(recording.heads(head_bytes)):
+        if report is not None and number % _MESSAGES_PER_REPORT == 0:
+            report((stamp_ns - recording.start_ns) / length_ns)
         measure = measures.get(channel.topic)
         if measure is not None and sources[channel.topic].type_name == channel.type_name:
             measure.record(stamp_ns, declared_bytes.get(channel.topic, size_bytes), head)

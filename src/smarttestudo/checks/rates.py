@@ -22,6 +22,8 @@ from smarttestudo.language.syntax_walks import (
 from smarttestudo.pacing.coded_video import may_be_coded_video
 from smarttestudo.pacing.sample import is_patch
 
+_USUAL_LOW_HZ = 1.0
+
 
 @lint_rule("tier-without-rate", Severity.ERROR)
 def tier_without_rate(rules: RuleModel) -> Iterator[Found]:
@@ -96,14 +98,28 @@ def _not_set_by_a_block(gap: Gap, rules: RuleModel) -> Found:
 
 def _no_default(topic: str, where: str, rules: RuleModel) -> Found:
     first = rules.relayed[topic]
+    rate, says = _low_rate(topic, rules)
     return Found(
         path=first.path,
         span=first.statement.topic.span,
         message=f"{topic} has no default: it is Full{_cost_of_full(topic, rules)} where {where} and while "
         "values are unknown",
-        hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate",
-        fix=new_default(rules.default_places.get(first.path), first.statement.topic.text),
+        hint=f"add a default: SetFrequency {first.statement.topic.text} and a rate"
+        f"{f'; testudo optimize adds {rate}{says}' if says else ''}",
+        fix=new_default(rules.default_places.get(first.path), first.statement.topic.text, rate, says),
     )
+
+
+def _low_rate(topic: str, rules: RuleModel) -> tuple[str, str]:
+    """A default that costs little, and what it means: the level that optimizing adds, if that is known."""
+    profile, known = rules.context.profile, rules.context.topic(topic)
+    has_budget = profile is not None and profile.budget_kb_per_s is not None
+    if has_budget and known.tiers_hz is not None and known.message_kb is not None:
+        return Tier.UNACCEPTABLE.value, f", up to {known.tiers_hz[0]:g} Hz"
+    if is_patch(rules.context.type_of(topic) or ""):
+        return "Full", ""
+    in_rules = {rate.rate.hz for rate in rules.settings.get(topic, ()) if rate.rate is not None}
+    return "2" if _USUAL_LOW_HZ in in_rules else f"{_USUAL_LOW_HZ:g}", ""
 
 
 def _cost_of_full(topic: str, rules: RuleModel) -> str:

@@ -112,13 +112,13 @@ def default_place(file: RuleFile) -> DefaultPlace | None:
     return next(with_default, next(iter(places), None))
 
 
-def new_default(place: DefaultPlace | None, topic: str) -> Fix | None:
-    """Write ``SetFrequency topic Full`` at ``place``, if there is one."""
+def new_default(place: DefaultPlace | None, topic: str, rate: str = "Full", says: str = "") -> Fix | None:
+    """Write ``SetFrequency topic rate`` at ``place``, if there is one; ``says`` ends the title."""
     if place is None:
         return None
-    default = f"SetFrequency {topic} Full"
+    default = f"SetFrequency {topic} {rate}"
     span, replacement = _insertion(place, default)
-    return Fix(span=span, replacement=replacement, title=f"add {default}")
+    return Fix(span=span, replacement=replacement, title=f"add {default}{says}")
 
 
 def _last_default(part: Collection) -> int | None:

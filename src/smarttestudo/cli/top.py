@@ -103,7 +103,7 @@ def _lines(robots: RemoteRobots, sort: SortKey, width: int | None) -> list[Line]
         silent_s = time.monotonic() - heard.heard_s
         lines += [Line("")] * bool(lines)
         is_silent = silent_s > _LOST_AFTER_S or not heard.is_present
-        lines += summary_lines(heard.status, silent_s=silent_s if is_silent else None)
+        lines += summary_lines(heard.status, silent_s=silent_s if is_silent else None, width=width)
         lines += [Line(""), *topic_lines(heard.status, sort, width)]
     if not lines:
         lines = [Line(f"Waiting for a status at {robots.place} …", Style.QUIET)]

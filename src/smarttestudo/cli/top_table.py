@@ -17,6 +17,7 @@ from textwrap import wrap
 from smarttestudo.cli.output import write_lines
 from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.decision import Reason, bound_texts
+from smarttestudo.domain.health import LOST_BEFORE_RELAY, Health, robot_problems, topic_health
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import LinkState
 from smarttestudo.domain.robot import DiagnosticLevel
@@ -32,13 +33,7 @@ from smarttestudo.report.table import (
     format_number,
     plain_table,
 )
-from smarttestudo.robot.diagnostics import (
-    LOST_BEFORE_RELAY,
-    accepted_text,
-    node_problems,
-    recording_text,
-    topic_health,
-)
+from smarttestudo.robot.diagnostics import accepted_text, recording_text
 
 WIDE = 110
 _QUIET = frozenset({Silence.OFF, Silence.NO_SUBSCRIBER})
@@ -89,7 +84,9 @@ _MEASURES: dict[SortKey, Callable[[TopicStatus], float | None]] = {
 }
 
 
-def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> list[Line]:
+def summary_lines(
+    status: RuntimeStatus, *, silent_s: float | None = None, width: int | None = None
+) -> list[Line]:
     """The runtime itself, the link, what is wrong, what is accepted of operators, and what recording costs.
 
     ``silent_s`` is the time without a status, if it is too long.
@@ -98,7 +95,7 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
     return [
         Line(_runtime(status), Style.HEADING),
         Line(_link(status)),
-        *(Line(one.message, _LEVEL_STYLES[one.level]) for one in node_problems(status)),
+        *(line for one in robot_problems(status, silent_s) for line in _problem_lines(one, width)),
         *_waiting(status.rules),
         *(
             Line(
@@ -107,8 +104,13 @@ def summary_lines(status: RuntimeStatus, *, silent_s: float | None = None) -> li
             for topic in status.accepted
         ),
         *([] if recording is None else [_recording(recording)]),
-        *([] if silent_s is None else [Line(f"No status received for {silent_s:.0f} s.", Style.STALE)]),
     ]
+
+
+def _problem_lines(problem: Health, width: int | None) -> Iterator[Line]:
+    text = visible(problem.message)
+    lines = [text] if width is None else wrap(text, width, subsequent_indent="  ", break_on_hyphens=False)
+    yield from (Line(line, _LEVEL_STYLES[problem.level]) for line in lines)
 
 
 def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) -> list[Line]:
@@ -125,7 +127,6 @@ def topic_lines(status: RuntimeStatus, sort: SortKey, width: int | None = None) 
         *(Line(text, Style.HEADING) for text in lines[:heading_lines]),
         *(Line(text, _style(topic)) for text, (_, topic) in zip(lines[heading_lines:], topics, strict=True)),
         *_how_to_subscribe(status, topics),
-        *_how_to_lose_nothing(topics, width),
     ]
 
 
@@ -135,18 +136,6 @@ def _how_to_subscribe(status: RuntimeStatus, topics: Sequence[tuple[str, TopicSt
     if not ready or status.link is not None or any(topic.subscribers for _, topic in topics):
         return []
     return [Line(f"A relay runs while somebody subscribes to it, as testudo echo {ready[0]} does.")]
-
-
-def _how_to_lose_nothing(topics: Sequence[tuple[str, TopicStatus]], width: int | None) -> Iterator[Line]:
-    """The remedies for what is lost before relay, each with its topics."""
-    by_remedy: dict[str, list[str]] = {}
-    for source, topic in topics:
-        if topic.loss is not None:
-            by_remedy.setdefault(topic.loss.remedy, []).append(source)
-    for remedy, sources in by_remedy.items():
-        text = visible(f"{', '.join(sources)}: {LOST_BEFORE_RELAY}; {remedy}")
-        lines = [text] if width is None else wrap(text, width, subsequent_indent="  ", break_on_hyphens=False)
-        yield from (Line(line, Style.WARN) for line in lines)
 
 
 def _runtime(status: RuntimeStatus) -> str:
@@ -245,7 +234,7 @@ def _problem(topic: TopicStatus) -> str:
 def _state(topic: TopicStatus) -> str:
     problem = _problem(topic)
     if topic.loss is not None and problem == LOST_BEFORE_RELAY:
-        # What to do about it takes a line of its own.
+        # What to do about it is said above.
         return f"{problem}: {topic.loss.percent:.0f} %"
     return problem and topic_health(topic).message
 

@@ -21,6 +21,7 @@ from smarttestudo.cli.tables import print_table
 from smarttestudo.domain.action import ActionDecision, action_line
 from smarttestudo.domain.decision import Decision, PlannedRate, about_rates, bound_texts
 from smarttestudo.domain.errors import ProfileError, RuleFileError, UsageError
+from smarttestudo.domain.health import topic_health
 from smarttestudo.domain.json_text import json_text
 from smarttestudo.domain.names import resolve_topic
 from smarttestudo.domain.profile import Profile
@@ -53,7 +54,6 @@ from smarttestudo.replays.moment import (
 )
 from smarttestudo.report.table import MISSING, Column, Table
 from smarttestudo.robot.decisions import reason_words
-from smarttestudo.robot.diagnostics import topic_health
 from smarttestudo.robot.rule_push import rules_in_force
 from smarttestudo.rules.profile_file import load_profile
 from smarttestudo.rules.rule_sets import RuleSource, load_rules

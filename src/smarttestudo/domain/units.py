@@ -41,6 +41,15 @@ def grouped(number: float, decimals: int = 0) -> str:
     return f"{number:,.{decimals}f}".replace(",", " ")
 
 
+_UNITS_S = (("s", 1), ("min", 60), ("h", 3600), ("days", 86_400))
+
+
+def duration_text(seconds: float) -> str:
+    """A duration in its largest unit of which there are at least two: ``582 s`` is ``9 min``."""
+    unit, unit_s = next(one for one in reversed(_UNITS_S) if seconds >= 2 * one[1] or one[1] == 1)
+    return f"{int(seconds // unit_s)} {unit}"
+
+
 def counted(count: int, noun: str) -> str:
     """``count`` with ``noun``, which takes an s where it is not one."""
     return f"{grouped(count)} {noun}" if count == 1 else f"{grouped(count)} {noun}s"

@@ -42,6 +42,17 @@ def mean_the_same(old: ParseResult, new: ParseResult) -> bool:
     return _meaning(old) == _meaning(new)
 
 
+def differing_blocks(old: ParseResult, new: ParseResult) -> tuple[int, ...]:
+    """The blocks of ``new``, counted from 0, that ``old`` does not have with the same meaning."""
+    left = Counter(meaning(one) for one in old.file.statements if isinstance(one, Block))
+    differing = []
+    for number, block in enumerate(one for one in new.file.statements if isinstance(one, Block)):
+        if left[meaning(block)] == 0:
+            differing.append(number)
+        left[meaning(block)] -= 1
+    return tuple(differing)
+
+
 def _meaning(result: ParseResult) -> object:
     statements = result.file.statements
     defaults = {one.topic.text: meaning(one) for one in statements if isinstance(one, SetFrequency)}

@@ -4,53 +4,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping
 from typing import Any
 
 from smarttestudo.domain.action import Notice
+from smarttestudo.domain.health import robot_health, topic_health
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import CommandTopic
 from smarttestudo.domain.metric import metered_fields
 from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.record import to_json
 from smarttestudo.domain.robot import Diagnostic, DiagnosticLevel
-from smarttestudo.domain.status import Fallback, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.status import RuntimeStatus, TopicStatus
 from smarttestudo.domain.texts import visible
 from smarttestudo.domain.units import BYTES_PER_MB, counted, grouped, utc_time
 from smarttestudo.robot.status import TOLERANCE_PERCENT
 
-LOST_BEFORE_RELAY = "lost before relay"
 _UNKNOWN = "N/A"
-_LEVELS = {
-    Silence.OFF: DiagnosticLevel.OK,
-    Silence.NO_PUBLISHER: DiagnosticLevel.STALE,
-    Silence.CANNOT_RELAY: DiagnosticLevel.ERROR,
-    Silence.NO_SUBSCRIBER: DiagnosticLevel.OK,
-    Silence.INCOMPATIBLE_QOS: DiagnosticLevel.WARN,
-    Silence.NO_MESSAGE: DiagnosticLevel.OK,
-    Silence.SOURCE_SILENT: DiagnosticLevel.STALE,
-}
-_FALLBACK = {
-    Fallback.FULL: "everything is relayed at full rate",
-    Fallback.READABLE: "topics have the rates that can be read, at least 1 Hz, and all others 1 Hz",
-    Fallback.OFF: "nothing is relayed",
-}
-_MEND = "mend the rule files, or push rules"
-
-
-@dataclass(frozen=True, slots=True)
-class Health:
-    """How bad it is, what in a few words, and the details where there are any."""
-
-    level: DiagnosticLevel
-    summary: str
-    details: str = ""
-
-    @property
-    def message(self) -> str:
-        """Summary and details."""
-        return f"{self.summary}: {self.details}" if self.details else self.summary
 
 
 def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
@@ -60,7 +30,7 @@ def diagnostics(status: RuntimeStatus) -> list[Diagnostic]:
 
 
 def _of_node(status: RuntimeStatus) -> Diagnostic:
-    health = node_health(status)
+    health = robot_health(status)
     return Diagnostic(
         name=status.node.lstrip("/"),
         level=health.level,
@@ -109,31 +79,6 @@ def _said(value: object) -> str:
     return _number(value) if value is None or isinstance(value, float) else str(value)
 
 
-def node_health(status: RuntimeStatus) -> Health:
-    """Whether the runtime as a whole does what it should.
-
-    A robot that has a link is meant to be watched: that no operator is connected is a warning.
-    """
-    is_well = Health(DiagnosticLevel.OK, f"relaying {counted(len(status.topics), 'topic')}")
-    return next(node_problems(status), is_well)
-
-
-def node_problems(status: RuntimeStatus) -> Iterator[Health]:
-    """All that keeps the runtime as a whole from what it should do, the worst first."""
-    if status.floors_break_budget:
-        yield Health(DiagnosticLevel.ERROR, "the floors alone are more than the budget")
-    if status.is_fallback:
-        # A run of an older version says nothing of it, and relays everything.
-        relayed = _FALLBACK[status.rules.fallback or Fallback.FULL]
-        yield Health(DiagnosticLevel.ERROR, "no valid rules", f"{relayed}; {_MEND}")
-    if status.rules.problem is not None:
-        yield Health(DiagnosticLevel.WARN, "the rule files cannot be used as they are", status.rules.problem)
-    if status.incidents is not None and status.incidents.problem is not None:
-        yield Health(DiagnosticLevel.WARN, "incidents cannot be written", status.incidents.problem)
-    if status.link is not None and not status.link.is_connected:
-        yield Health(DiagnosticLevel.WARN, "no operator is connected over the link")
-
-
 def _of_topic(status: RuntimeStatus, source: str) -> Diagnostic:
     topic = status.topics[source]
     link = topic.on_link
@@ -161,29 +106,6 @@ def _of_notice(status: RuntimeStatus, notice: Notice) -> Diagnostic:
         hardware_id=status.node,
         values={"rule": rule, "since": utc_time(notice.since_ns)},
     )
-
-
-def topic_health(topic: TopicStatus) -> Health:
-    """Whether a topic is relayed as it should be; if nothing is received, why."""
-    incompatible = ", ".join(topic.incompatible)
-    if topic.silence is not None:
-        return Health(_LEVELS[topic.silence], topic.silence.value, _details(topic, incompatible))
-    if incompatible:
-        return Health(DiagnosticLevel.WARN, Silence.INCOMPATIBLE_QOS.value, incompatible)
-    if topic.loss is not None:
-        return Health(
-            DiagnosticLevel.WARN, LOST_BEFORE_RELAY, f"{topic.loss.percent:.0f} %; {topic.loss.remedy}"
-        )
-    if topic.doubt is not None:
-        return Health(DiagnosticLevel.WARN, topic.doubt.value, topic.doubt.details)
-    if not topic.keeps_rate:
-        error = "" if topic.error_percent is None else f"{topic.error_percent:+.1f} %"
-        return Health(DiagnosticLevel.WARN, "rate off", error)
-    counts = None if topic.on_link is None else topic.on_link.counts
-    if counts is not None and counts.is_losing:
-        lost = f"{counted(counts.overflowed, 'message')} since the start"
-        return Health(DiagnosticLevel.WARN, "lost on the link", lost)
-    return Health(DiagnosticLevel.OK, "OK")
 
 
 def accepted_text(topic: CommandTopic) -> str:
@@ -215,12 +137,6 @@ def recording_text(state: IncidentState) -> str:
         f"{counted(state.topics, 'topic')} in {grouped(held, 1)} of {grouped(limit)} MB{ring}; "
         f"incidents: {state.open} open, {state.recorded} recorded{further}{failed}{missing}{dropped}{problem}"
     )
-
-
-def _details(topic: TopicStatus, incompatible: str) -> str:
-    if topic.silence is Silence.CANNOT_RELAY:
-        return topic.problem or ""
-    return incompatible if topic.silence is Silence.INCOMPATIBLE_QOS else ""
 
 
 def _greenwave_values(topic: TopicStatus) -> Mapping[str, str]:

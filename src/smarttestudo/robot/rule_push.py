@@ -13,7 +13,7 @@ from typing import Literal, Protocol
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RuleTexts
-from smarttestudo.editing.difference import differences, mean_the_same
+from smarttestudo.editing.difference import differences, differing_blocks, mean_the_same
 from smarttestudo.language.parser import parse
 from smarttestudo.robot.rule_manager import CONFIRM_WITHIN_S
 from smarttestudo.rules.rule_files import PREVIOUS_SUFFIX
@@ -48,7 +48,8 @@ class PushPreview:
     """Changes that a push would make, in sentences; ``same`` if the rules mean the same to the robot.
 
     ``text_to_send`` has numbers in the place of quality levels, since a robot may have no profile; ``hash``
-    is its SHA-256. ``robot_hash`` is that of what the robot follows now.
+    is its SHA-256. ``robot_hash`` is that of what the robot follows now. ``differing_rules`` are the numbers,
+    from 0 in the order of the text, of the rules that it does not follow as they are.
     """
 
     differences: tuple[str, ...]
@@ -56,6 +57,7 @@ class PushPreview:
     hash: str
     robot_hash: str
     text_to_send: str
+    differing_rules: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,6 +117,7 @@ def preview(robots: Parameters, node: str, text: str, name: str) -> PushPreview:
         hash=hashlib.sha256(text.encode("utf-8")).hexdigest(),
         robot_hash=texts.sha256,
         text_to_send=text,
+        differing_rules=differing_blocks(old, new),
     )
 
 

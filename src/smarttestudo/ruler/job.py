@@ -14,7 +14,7 @@ from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from importlib import import_module
-from typing import Any, Generic, ParamSpec, TypeVar, get_type_hints
+from typing import Any, Generic, Literal, ParamSpec, TypeVar, get_type_hints
 
 import msgspec
 from msgspec import Struct
@@ -73,6 +73,17 @@ class Download:
 
     name: str
     pieces: Iterator[bytes]
+
+
+PictureType = Literal["image/jpeg", "image/png"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """An answer that is a picture, which never changes at its address."""
+
+    media_type: PictureType
+    content: bytes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

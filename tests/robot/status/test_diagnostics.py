@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import pytest
 
-from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
+from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS, WELL
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.metric import metered_fields
@@ -85,9 +85,14 @@ def test_a_rate_that_is_off_by_nobody_knows_how_much_is_off() -> None:
     assert (found.level, found.message) == (DiagnosticLevel.WARN, "rate off")
 
 
-def test_the_node_is_well_within_its_budget() -> None:
+def test_the_node_says_what_is_worst_of_it_and_its_topics() -> None:
     node = named("smarttestudo")
-    assert (node.level, node.message) == (DiagnosticLevel.OK, "relaying 8 topics")
+    assert (node.level, node.message) == (
+        DiagnosticLevel.ERROR,
+        "cannot be relayed: /lidar",
+    )
+    well = named("smarttestudo", WELL)
+    assert (well.level, well.message) == (DiagnosticLevel.OK, "relaying 1 topic")
     assert node.values["rules"] == "/etc/testudo/warehouse.adirf"
     assert node.values["rules_sha256"] == "ab" * 32
     assert node.values["budget_kb_per_s"] == "1000.000"
@@ -140,7 +145,7 @@ def test_two_robots_are_told_apart() -> None:
 
 ON_LINK = TopicOnLink(counts=StreamCounts(sent=480, replaced=20, queued_bytes=1200), age_ms=41.25)
 LINKED = replace(
-    STATUS,
+    WELL,
     link=LinkState(is_connected=True, capacity_kb_per_s=231.5, round_trip_ms=24.0, outages=2),
     topics={"/imu": replace(RELAYED, on_link=ON_LINK)},
 )
@@ -180,7 +185,7 @@ def test_the_node_says_what_recording_costs_and_that_it_fails() -> None:
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
     values = named("smarttestudo", replace(STATUS, incidents=with_ring)).values
     assert values["incidents_ring_bytes"] == "40120000"
-    failed = named("smarttestudo", replace(STATUS, incidents=replace(state, problem="the disk is full")))
+    failed = named("smarttestudo", replace(WELL, incidents=replace(state, problem="the disk is full")))
     assert (failed.level, failed.message) == (
         DiagnosticLevel.WARN,
         "incidents cannot be written: the disk is full",

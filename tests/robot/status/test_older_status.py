@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from robot.status.virtual_robot import VirtualRobot
-from smarttestudo.cli.top_table import SortKey, Style, summary_lines, topic_lines
+from smarttestudo.cli.top_table import Line, SortKey, Style, summary_lines, topic_lines
 from smarttestudo.domain.decision import Reason
 from smarttestudo.domain.names import STATUS_TOPIC
 from smarttestudo.domain.record import to_json
@@ -76,7 +76,9 @@ def test_the_page_shows_its_rates_rules_and_checks(live: Live) -> None:
 
 
 def test_top_shows_its_rates_and_why() -> None:
-    heading, link = summary_lines(STATUS)
+    heading, link, absent, unknown = summary_lines(STATUS)
+    assert absent == Line("no publisher: /estop, /tf", Style.WARN)
+    assert unknown == Line("rules in doubt: 1 of 2 conditions, as a value is not known", Style.WARN)
     assert heading.text.startswith("/smarttestudo   warehouse.adirf   up 0:00:19")
     assert (link.style, link.text.endswith("of 20.0 (22 %)")) == (Style.PLAIN, True)
     lines = {line.text.split()[0]: line for line in topic_lines(STATUS, SortKey.TOPIC)[3:]}

@@ -16,15 +16,15 @@ from pathlib import Path
 
 import pytest
 
-from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS
+from robot.status.statuses import ONE_OF_EACH, RELAYED, STATUS, WELL
 from smarttestudo.cli.main import main
 from smarttestudo.cli.terminal import key_presses
 from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_lines, summary_lines, topic_lines
 from smarttestudo.domain.decision import BoundReason, Reason
+from smarttestudo.domain.health import robot_health
 from smarttestudo.domain.incident import IncidentState
 from smarttestudo.domain.link import CommandTopic, LinkState
 from smarttestudo.domain.status import LossBeforeRelay, RulesInForce, RulesOrigin, Silence, TopicStatus
-from smarttestudo.robot.diagnostics import node_health
 
 GOLDEN = Path(__file__).parent / "golden"
 IN_BACKGROUND = Path(__file__).parents[2] / "in_background.py"
@@ -41,25 +41,27 @@ def order_by(sort: SortKey) -> list[str]:
 
 @pytest.mark.parametrize("width", [80, 120])
 def test_it_looks_like_this(width: int) -> None:
-    lines = [*summary_lines(STATUS), Line(""), *topic_lines(STATUS, SortKey.TOPIC, width)]
+    lines = [*summary_lines(STATUS, width=width), Line(""), *topic_lines(STATUS, SortKey.TOPIC, width)]
     shown = "".join(f"{line.text}\n" for line in lines)
     assert shown == (GOLDEN / f"top-{width}.txt").read_text(encoding="utf-8")
     assert all(len(line.text) <= width for line in lines)
 
 
 @pytest.mark.parametrize("width", [80, 120, None])
-def test_what_is_lost_before_relay_is_a_state_and_lines_below_say_once_what_to_set(width: int | None) -> None:
+def test_what_is_lost_before_relay_is_a_state_and_lines_above_say_once_what_to_set(width: int | None) -> None:
     remedy = f"Fast DDS has too little shared memory: start /camera with FILE={'/of/a/package' * 6}"
     loss = LossBeforeRelay(percent=61.8, remedy=remedy)
     topics = {topic: replace(RELAYED, loss=loss) for topic in ("/left", "/right")}
-    lines = topic_lines(replace(STATUS, topics=topics), SortKey.TOPIC, width)
+    status = replace(WELL, topics=topics)
+    lines = topic_lines(status, SortKey.TOPIC, width)
     shown = "lost before relay" if width == 80 else "lost before relay: 62 %"
     assert [line.text.rstrip().endswith(shown) for line in lines[3:5]] == [True, True]
     assert {line.style for line in lines[3:]} == {Style.WARN}
-    assert "".join(line.text.replace(" ", "") for line in lines[5:]) == (
-        f"/left, /right: lost before relay; {remedy}".replace(" ", "")
+    said = summary_lines(status, width=width)[2:]
+    assert "".join(line.text.replace(" ", "") for line in said) == (
+        f"lost before relay: /left, /right; {remedy}".replace(" ", "")
     )
-    assert width is None or all(len(line.text) <= width for line in lines)
+    assert width is None or all(len(line.text) <= width for line in [*lines, *said])
 
 
 def test_the_rule_column_says_which_bound_holds_who_decided_it_and_what_is_in_doubt() -> None:
@@ -95,14 +97,13 @@ def test_where_nobody_subscribes_to_anything_it_names_the_command_that_does() ->
 
 def test_what_recording_costs_has_a_line() -> None:
     state = IncidentState(held_bytes=12_340_000, memory_bytes=256_000_000, topics=5, open=1, recorded=3)
-    settled = replace(STATUS, rules=replace(STATUS.rules, waits_s=None))
-    (line,) = summary_lines(replace(settled, incidents=state))[2:]
+    (line,) = summary_lines(replace(WELL, incidents=state))[2:]
     assert line == Line("records 5 topics in 12.3 of 256 MB; incidents: 1 open, 3 recorded")
     with_ring = replace(state, ring_bytes=40_120_000, ring_max_bytes=5_000_000_000)
-    (line,) = summary_lines(replace(settled, incidents=with_ring))[2:]
+    (line,) = summary_lines(replace(WELL, incidents=with_ring))[2:]
     assert line.text.startswith("records 5 topics in 12.3 of 256 MB, on disk 40.1 of 5 000 MB; incidents: 1")
     failed = replace(state, failed=2, problem="/data: error: the disk is full")
-    problem, line = summary_lines(replace(settled, incidents=failed))[2:]
+    problem, line = summary_lines(replace(WELL, incidents=failed))[2:]
     assert line.text.endswith("1 open, 3 recorded, 2 failed")
     assert problem == Line("incidents cannot be written: /data: error: the disk is full", Style.WARN)
 
@@ -149,22 +150,23 @@ def test_the_budget_and_its_trouble_are_said() -> None:
 
 def test_a_fallback_and_a_lost_runtime_are_said() -> None:
     fallback = replace(STATUS, rules=RulesInForce(origin=RulesOrigin.FALLBACK))
-    looks = [line.style for line in summary_lines(fallback, silent_s=7.0)]
-    assert looks[2:] == [Style.ERROR, Style.STALE]
+    assert summary_lines(fallback)[2].style is Style.ERROR
+    (line,) = summary_lines(fallback, silent_s=7.0)[2:]
+    remedy = "check that testudo run is running, and the network or radio"
+    assert line == Line(f"silent for 7 s: {remedy}", Style.ERROR)
 
 
 def test_what_is_wrong_with_a_node_is_said_in_the_words_of_its_diagnostics() -> None:
     rules = RulesInForce(origin=RulesOrigin.FALLBACK, problem="a.adirf:1:1: error: no rules")
-    broken = replace(STATUS, rules=rules, floors_break_budget=True, link=LinkState(is_connected=False))
+    broken = replace(WELL, rules=rules, floors_break_budget=True, link=LinkState(is_connected=False))
     texts = [line.text for line in summary_lines(broken)]
-    assert texts[1] == "in 12 492.0 KB/s   out 946.0 KB/s of 1 000.0 (95 %)"
     assert texts[2:] == [
         "the floors alone are more than the budget",
         "no valid rules: everything is relayed at full rate; mend the rule files, or push rules",
         "the rule files cannot be used as they are: a.adirf:1:1: error: no rules",
         "no operator is connected over the link",
     ]
-    assert texts[2] == node_health(broken).message
+    assert texts[2] == robot_health(broken).message
 
 
 def test_pushed_rules_that_wait_are_said_to_end() -> None:

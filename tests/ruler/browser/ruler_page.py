@@ -26,6 +26,11 @@ AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => reques
 FOCUSED = """(document.activeElement === document.body ? ""
     : document.activeElement.getAttribute("aria-label") || document.activeElement.textContent)"""
 """What a screen reader calls the focused thing; nothing where that is the whole page."""
+EDGES = """found => found.map(one => {
+    const { left, right } = one.getBoundingClientRect();
+    return [left, right];
+})"""
+"""Of some elements, where each begins and ends."""
 
 
 @contextmanager

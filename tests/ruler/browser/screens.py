@@ -74,7 +74,7 @@ def at_changed_rules(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.button("New rate").click()
     ruler.save()
-    ruler.page.get_by_role("button", name="line").first.click()
+    ruler.page.get_by_role("list", name="Findings").get_by_role("listitem").first.get_by_role("button").first.click()
 
 
 def at_typed_rules(ruler: RulerPage) -> None:
@@ -105,7 +105,7 @@ def at_versions(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.button("New rate").click()
     ruler.save()
-    ruler.page.get_by_role("tab", name="Versions").click()
+    ruler.tool("Versions").click()
     ruler.page.get_by_role("listitem", name="Version of").last.get_by_role("button", name="Compare").click()
     ruler.page.get_by_role("figure", name="Open now").wait_for()
 
@@ -129,14 +129,14 @@ def at_trial(ruler: RulerPage) -> None:
 
 
 def at_incidents(ruler: RulerPage) -> None:
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     ruler.page.get_by_role("table", name="Incidents").wait_for()
 
 
 def at_incident(ruler: RulerPage) -> None:
     at_incidents(ruler)
     ruler.page.get_by_role("link", name="all of it").click()
-    ruler.page.get_by_role("figure", name="Rate of /odom").wait_for()
+    ruler.page.get_by_role("slider", name="Time around the moment (s)").wait_for()
 
 
 def at_deleting(ruler: RulerPage) -> None:
@@ -212,12 +212,13 @@ def at_zones(ruler: RulerPage) -> None:
 
 
 def at_recording(ruler: RulerPage) -> None:
-    ruler.page.get_by_role("region", name="Recordings").get_by_role("button", name="monday").click()
+    ruler.page.get_by_role("link", name="Recordings", exact=True).click()
+    ruler.button("New rules from monday").click()
     ruler.page.get_by_role("dialog", name="Start from monday").get_by_role("status").wait_for()
 
 
 def at_robots(ruler: RulerPage) -> None:
-    ruler.button("Watch Robots").click()
+    ruler.page.get_by_role("link", name="Robots").click()
     ruler.page.get_by_role("heading", name="Robots", exact=True).wait_for()
 
 

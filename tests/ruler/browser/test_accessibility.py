@@ -59,6 +59,11 @@ def test_tab_leaves_the_text(ruler: RulerPage) -> None:
 
 
 def _opened_at_home(ruler: RulerPage) -> None:
+    ruler.button("New Rule File").wait_for()
+
+
+def _opened_at_recordings(ruler: RulerPage) -> None:
+    ruler.page.get_by_role("link", name="Recordings", exact=True).click()
     ruler.page.get_by_role("region", name="Recordings").wait_for()
 
 
@@ -66,7 +71,7 @@ def _opened_at_home(ruler: RulerPage) -> None:
     ("reach", "opener"),
     [
         (_opened_at_home, "New Rule File"),
-        (_opened_at_home, "monday"),
+        (_opened_at_recordings, "New rules from monday"),
     ],
 )
 def test_a_dialog_has_the_focus_and_gives_it_back(

@@ -40,16 +40,18 @@ end
 def test_a_finding_marks_the_very_check_that_it_is_about(ruler: RulerPage, project: Path) -> None:
     _open(ruler, project, "clash", CLASH)
     check = ruler.blocks.get_by_role("figure", name="/odom, speed").locator("xpath=..")
-    check.get_by_role("button", name="Open Warning").click()
-    expect(ruler.blocks.get_by_text("speed is never below 0 m/s")).to_be_visible()
+    check.locator(".finding-mark").first.click()
+    found = ruler.page.get_by_role("dialog", name="What was found here")
+    expect(found).to_contain_text("speed is never below 0 m/s")
 
 
 @pytest.mark.journey
 def test_a_project_starts_from_a_recipe_and_its_rules_are_in_the_list_of_blocks(
     ruler: RulerPage, project: Path
 ) -> None:
-    ruler.button("Weak link").click()
+    ruler.button("New Rule File").click()
     dialog = ruler.page.get_by_role("dialog")
+    dialog.get_by_label("Start from a recipe").select_option("Weak link")
     expect(dialog.get_by_text("heartbeat")).to_be_visible()
     dialog.get_by_label("Name").fill("evening")
     dialog.get_by_role("button", name="Create").click()

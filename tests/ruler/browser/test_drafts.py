@@ -136,7 +136,7 @@ def test_a_table_for_rules_is_theirs_though_it_is_opened_from_the_list(
     (project / "wlan.toml").write_text(PROFILE)
     ruler.page.goto(f"{ruler.url}#/topics/lift.toml?rules=aisle.adirf")
     ruler.page.get_by_label("Message size (KB) of /lift").fill("0.5")
-    ruler.page.get_by_role("link", name="Home").click()
+    ruler.page.get_by_role("link", name="Rules", exact=True).click()
     ruler.page.reload()
     ruler.page.get_by_role("link", name="lift.toml", exact=True).click()
     expect(_notice(ruler)).to_be_visible()

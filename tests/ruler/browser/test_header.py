@@ -22,7 +22,7 @@ def test_the_menu_is_used_with_the_keyboard(ruler: RulerPage) -> None:
         ("ArrowDown", "Format"),
         ("End", "Keys"),
         ("Home", "Format"),
-        ("d", "Documentation"),
+        ("i", "Import"),
     ):
         if key:
             keyboard.press(key)

@@ -39,7 +39,7 @@ def test_hints_are_pressed_in_the_rules_and_in_the_topic_parameters(ruler: Ruler
     _finding(ruler, "/tf is relayed without").get_by_role("button", name="add SetFrequency").click()
     ruler.expect_lines("SetFrequency /tf 10", "SetFrequency /tf_static Full", "If CheckValue")
     _finding(ruler, "/odom has no default").get_by_role("button", name="add SetFrequency").click()
-    ruler.expect_lines("SetFrequency /tf_static Full", "SetFrequency /odom Full", "If CheckValue")
+    ruler.expect_lines("SetFrequency /tf_static Full", "SetFrequency /odom 1", "If CheckValue")
     stamps = _finding(ruler, "their stamps will not match")
     stamps.get_by_role(
         "button", name="pace /camera/camera_info with /camera/image_raw, in patrol.toml"

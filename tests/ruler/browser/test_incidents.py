@@ -6,16 +6,48 @@ from __future__ import annotations
 
 import re
 import shutil
+from itertools import pairwise
 from pathlib import Path
 from zipfile import ZipFile
 
 import pytest
 from playwright.sync_api import Locator, expect
 
+from axe import violations
 from ruler.browser.held_child import first_held
-from ruler.browser.ruler_page import RulerPage
-from ruler.incident_projects import ALL_OF_IT, NEAR_MISS, add_bad_incidents, write_incidents
+from ruler.browser.ruler_page import EDGES, RulerPage
+from ruler.incident_projects import (
+    ALL_OF_IT,
+    COMPRESSED,
+    NEAR_MISS,
+    add_bad_incidents,
+    compressed,
+    grey,
+    write_camera_incident,
+    write_incidents,
+)
 from smarttestudo.ruler.tries.keep import keep_incident
+
+BRIGHTNESS = """wanted => {
+    const image = document.querySelector(".camera img");
+    if (!image.complete || !image.naturalWidth) return false;
+    const canvas = Object.assign(document.createElement("canvas"), { width: 1, height: 1 });
+    const context = canvas.getContext("2d");
+    context.drawImage(image, 0, 0, 1, 1);
+    return Math.abs(context.getImageData(0, 0, 1, 1).data[0] - wanted) < 4;
+}"""
+TIMES = """() => new Promise(done => {
+    const slider = document.querySelector(".scrubber-track input");
+    const seen = [];
+    const look = () => {
+        seen.push(Number(slider.value));
+        if (seen.length < 90) requestAnimationFrame(look);
+        else done(seen);
+    };
+    look();
+})"""
+START_S = 8
+"""From the window's start to the moment of what ``write_camera_incident`` records."""
 
 
 @pytest.fixture
@@ -27,7 +59,7 @@ def project(tmp_path: Path) -> Path:
 
 def _listed(ruler: RulerPage) -> Locator:
     """The rows of all incidents."""
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     return ruler.page.get_by_role("table", name="Incidents").get_by_role("row")
 
 
@@ -59,12 +91,22 @@ def test_one_shows_why_and_what_happened_around_its_moment(ruler: RulerPage) -> 
     _open(ruler, "near miss")
     page = ruler.page
     expect(page.get_by_role("heading", name="near miss", level=1)).to_be_visible()
-    for words in ("The rule Far began to hold at", "/odom pose_y was 5.04 m", "from 3 s before to 2 s after"):
+    for words in (
+        "The rule Far began to hold at",
+        "/odom pose_y was 5.04 m, above 5 m",
+        "from 3 s before to 2 s after",
+    ):
         expect(page.get_by_role("main")).to_contain_text(words)
     slider = page.get_by_role("slider", name="Time around the moment (s)")
     expect(slider).to_have_attribute("aria-valuetext", "the moment")
     expect(page.get_by_text("The robot is at x 0.0 m, y 5.0 m")).to_be_visible()
-    expect(page.get_by_role("figure", name="Rate of /odom")).to_contain_text("25 Hz")
+    value = page.get_by_role("figure", name="Value of /odom pose_y")
+    expect(value.locator("canvas")).to_be_visible()
+    expect(value.locator(".threshold-line")).to_be_visible()
+    expect(page.get_by_role("img", name=re.compile("^The condition: Holds for 2 s of 5 s"))).to_be_visible()
+    edges = page.locator(".scrubber-track, .lane-plot, .lane .u-over").evaluate_all(EDGES)
+    assert len(edges) == 4
+    assert all(abs(one - other) <= 1 for edge in edges for one, other in zip(edge, edges[0], strict=True))
     slider.press("Home")
     expect(slider).to_have_attribute("aria-valuetext", "3.0 s before")
     expect(page.get_by_text("The robot is at x 0.0 m, y 2.0 m")).to_be_visible()
@@ -75,6 +117,45 @@ def test_one_shows_why_and_what_happened_around_its_moment(ruler: RulerPage) -> 
     )
     page.get_by_role("link", name="All incidents").click()
     expect(page.get_by_role("row").filter(has_text="near miss")).not_to_contain_text("not read")
+
+
+def test_the_frame_of_the_camera_is_that_of_the_slider_and_play_goes_round_the_moment(
+    ruler: RulerPage, project: Path
+) -> None:
+    write_camera_incident(project, {"/camera/h264": (COMPRESSED, compressed("h264", b"\0\0\0\1g"))})
+    _open(ruler, "seen")
+    page = ruler.page
+    expect(page.get_by_role("main")).to_contain_text("Because/odom pose_y was 3.12 m, above 3.1 m")
+    image = page.locator(".camera").get_by_role("img")
+    slider = page.get_by_role("slider", name="Time around the moment (s)")
+    for key, frame, alt in (("Home", 0, "3.1 s before, 1 of 50"), ("End", 49, "6.7 s after, 50 of 50")):
+        slider.press(key)
+        expect(image).to_have_attribute("alt", f"/camera/compressed, {alt}")
+        page.wait_for_function(BRIGHTNESS, arg=grey(frame))
+    assert violations(page) == []
+    ruler.button("To the moment").click()
+    ruler.page.get_by_role("combobox", name="Speed").select_option("50")
+    ruler.button("Play").click()
+    # At 50 times the speed it is round within a fifth of a second.
+    seen = page.evaluate(TIMES)
+    ruler.button("Pause").click()
+    assert min(seen) >= START_S - 5 - 0.1
+    assert max(seen) <= START_S + 5 + 0.1
+    assert any(later < earlier for earlier, later in pairwise(seen))
+    page.get_by_role("combobox", name="Camera").select_option("/camera/h264")
+    expect(page.get_by_text("Its frames are h264, not JPEG or PNG")).to_be_visible()
+    ruler.forgive("422")
+
+
+def test_without_the_rules_of_then_the_value_is_there_and_the_threshold_is_not(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / "far.adirf").unlink()
+    _open(ruler, "near miss")
+    expect(ruler.page.get_by_text("the thresholds are not known here")).to_be_visible()
+    value = ruler.page.get_by_role("figure", name="Value of /odom pose_y")
+    expect(value.locator("canvas")).to_be_visible()
+    expect(value.locator(".threshold-line")).to_have_count(0)
 
 
 def test_the_name_of_an_incident_stands_on_one_line_of_a_telephone(ruler: RulerPage) -> None:
@@ -168,7 +249,7 @@ def test_a_try_shows_what_would_have_been_recorded_and_keeps_it(ruler: RulerPage
     # It goes on in the server, and is told of wherever one is.
     ruler.page.reload()
     expect(bar).to_contain_text("near miss at 5.0 s of monday")
-    ruler.page.get_by_role("link", name="Home").click()
+    ruler.page.get_by_role("link", name="Rules", exact=True).click()
     bar.get_by_role("link", name=NEAR_MISS).click()
     expect(bar).to_have_count(0)
     expect(ruler.page.get_by_role("main")).to_contain_text("/odom pose_y was 5.04 m")
@@ -188,7 +269,7 @@ def test_keeping_is_cancelled_on_any_page_and_leaves_nothing(ruler: RulerPage, p
         for name in ("near miss", "all of it"):
             kept.get_by_role("button", name=f"Keep it: {name}").click()
         first()
-        ruler.page.get_by_role("link", name="Home").click()
+        ruler.page.get_by_role("link", name="Rules", exact=True).click()
         bar.get_by_role("button", name="Cancel keeping all of it").click()
         expect(bar.get_by_text("all of it")).to_have_count(0)
     expect(bar.get_by_role("link", name=NEAR_MISS)).to_be_visible()

@@ -21,7 +21,7 @@ from ruler.browser.ruler_page import RulerPage
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
-NOT_CONNECTED = re.compile(r"not connected|robot silent for \d+ s")
+NOT_CONNECTED = re.compile(r"not connected|: silent for \d+ s")
 IMU = "sensor_msgs/msg/Imu"
 # Among the topics, not in the list of what was decided about it.
 IMU_ROW = re.compile(r"^\/imu")
@@ -196,7 +196,7 @@ def test_sent_rules_are_compared_tried_and_kept_with_the_keyboard_alone(
     expect(page.page.get_by_role("list", name="Differences")).to_have_text("default: /imu 5 → 20 Hz")
     page.walk("Tab", "Send")
     keyboard.press("Enter")
-    expect(page.page.get_by_text(re.compile(r"In force for \d+ s"))).to_be_visible()
+    expect(page.page.get_by_text(re.compile(r"Trial for \d+ s"))).to_be_visible()
     expect(page.page.get_by_role("row", name=IMU_ROW).get_by_role("cell").nth(1)).to_have_text("20")
     page.walk("Tab", "Keep these rules")
     keyboard.press("Enter")

@@ -16,7 +16,7 @@ from playwright.sync_api import Locator, expect
 from axe import violations
 from ros.ros_domains import free_domain
 from ros.ros_processes import SmallRobot
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import EDGES, RulerPage
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -88,6 +88,9 @@ def test_the_page_of_a_robot_shows_a_value_its_threshold_and_when_each_rule_held
     expect(checks.get_by_role("status")).to_have_text(
         re.compile(r"^> 3: Holds for [\d.]+ s of 10 min; unknown for .*, as the robot decided\.$")
     )
+    edges = checks.locator(".scrubber-track, .lane-plot, .lane .u-over").evaluate_all(EDGES)
+    assert len(edges) == 5
+    assert all(abs(one - other) <= 1 for edge in edges for one, other in zip(edge, edges[0], strict=True))
     # Nothing is open that could be changed.
     expect(checks.get_by_role("slider", name="Threshold")).to_have_count(0)
 

@@ -63,7 +63,7 @@ def project(tmp_path: Path) -> Path:
 
 @pytest.mark.journey
 def test_a_robots_incident_is_fetched_and_opened(ruler: RulerPage, project: Path, tmp_path: Path) -> None:
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     near_miss = _near_miss(ruler)
     expect(near_miss).to_contain_text("3 s before to 2 s after")
     assert violations(ruler.page) == []
@@ -78,7 +78,7 @@ def test_a_robots_incident_is_fetched_and_opened(ruler: RulerPage, project: Path
 def test_a_robot_that_left_is_named_and_its_incident_fetched_when_it_is_back(
     ruler: RulerPage, ada: Robot, project: Path, tmp_path: Path
 ) -> None:
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     near_miss = _near_miss(ruler)
     near_miss.wait_for()
     ada.leave()
@@ -96,7 +96,7 @@ def test_a_robot_that_left_is_named_and_its_incident_fetched_when_it_is_back(
 
 def test_a_robot_that_comes_later_is_asked_by_itself(ruler: RulerPage, ada: Robot) -> None:
     ada.leave()
-    ruler.button("Look at Incidents").click()
+    ruler.page.get_by_role("link", name="Incidents", exact=True).click()
     on_robots = ruler.page.get_by_role("region", name="On robots")
     on_robots.get_by_text("cannot be reached").wait_for()
     ada.come()

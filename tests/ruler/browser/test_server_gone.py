@@ -136,7 +136,7 @@ def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, 
     ).to_be_attached()
     page.forgive("Failed to fetch dynamically imported module")
     server.stop()
-    page.page.get_by_role("tab", name="Versions").click()
+    page.tool("Versions").click()
     versions = page.page.locator(".versions-pane")
     expect(versions).to_contain_text("The Ruler's server does not answer.")
     server.start()
@@ -146,7 +146,7 @@ def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, 
 def _is_grey(page: RulerPage) -> list[bool]:
     """Whether the marks on blocks are shown as things of the past."""
     grey: list[bool] = page.page.evaluate(
-        "() => [...document.querySelectorAll('.blocklyWarningIcon')]"
+        "() => [...document.querySelectorAll('.finding-mark')]"
         ".map(mark => getComputedStyle(mark).filter.includes('grayscale'))"
     )
     return grey

@@ -37,9 +37,9 @@ def test_the_session_of_the_thesis_with_blocks_dragged_from_the_list(
         ruler.change("Edit value: 0", value)
     for number, (topic, level) in enumerate(RATES):
         if number:
-            _drag_below(ruler, "Rates", "set frequency of", _lowest(ruler, "set frequency of"))
-        ruler.change("Edit topic to send: /odom", topic)
-        ruler.change("Edit rate: 10", level)
+            ruler.field("Add rate").click()
+        ruler.change("Edit topic to send" if number else "Edit topic to send: /odom", topic)
+        ruler.change("Edit rate" if number else "Edit rate: 10", level)
     ruler.expect_lines("SetFrequency /camera/image_raw Excessive")
     ruler.save()
     assert (project / "shelf.adirf").read_text() == FIGURE_6_6
@@ -60,7 +60,7 @@ def test_the_session_of_the_thesis_with_blocks_dragged_from_the_list(
 def _drag_rule(ruler: RulerPage) -> None:
     ruler.page.get_by_role("treeitem", name="Rules").click()
     rule = ruler.page.get_by_role("listbox", name="Rules blocks").get_by_role("option").first
-    ruler.drag(rule, ruler.page.get_by_role("treeitem", name="Rates"), 400, -20)
+    ruler.drag(rule, ruler.page.get_by_role("treeitem", name="Actions"), 400, 20)
     ruler.expect_lines("CheckValue /odom pose_x > 0", "SetFrequency /odom 10")
 
 

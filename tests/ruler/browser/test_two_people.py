@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
-from playwright.sync_api import Error, Locator, Route, expect
+from playwright.sync_api import Error, Locator, expect
 
-from ruler.browser.ruler_page import RulerPage, see_no_changes, served
+from ruler.browser.ruler_page import RulerPage, served
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -61,36 +61,6 @@ def test_of_two_people_who_save_the_second_is_asked_and_both_texts_stay(
     expect(bob.page.get_by_role("heading", name="bob.adirf", level=1)).to_be_visible()
     assert (project / "plain.adirf").read_text() == _with(ADA)
     assert (project / "bob.adirf").read_text() == _with(BOB)
-    bob.forgive("409")
-
-
-def test_what_is_saved_by_itself_writes_over_nobody(ruler: RulerPage, bob: RulerPage, project: Path) -> None:
-    # Bob's page reads the setting once.
-    with ruler.page.expect_response("**/api/project/settings"):
-        ruler.page.get_by_role("checkbox", name="Save by itself").check()
-    bob.home()
-    for each in (ruler, bob):
-        each.open("plain.adirf")
-    see_no_changes(bob.page, "plain.adirf")
-    _type_line(ruler, ADA)
-    expect(_header_note(ruler)).to_have_text("saved by itself")
-    assert (project / "plain.adirf").read_text() == _with(ADA)
-    # A save between two keys would ask in the middle of the line.
-    held: list[Route] = []
-    bob.page.route("**/api/file", lambda route: held.append(route))  # noqa: PLW0108 - no builtin
-    _type_line(bob, BOB)
-    bob.page.unroute("**/api/file")
-    for route in held:
-        route.continue_()
-    dialog = bob.page.get_by_role("dialog", name="Somebody else changed plain.adirf")
-    expect(dialog).to_be_visible()
-    bob.page.unroute("**/api/file/state?*")
-    expect(_header_note(bob)).to_have_text("not saved")
-    assert (project / "plain.adirf").read_text() == _with(ADA)
-    dialog.get_by_role("button", name="Cancel").click()
-    bob.page.reload()
-    bob.expect_lines(BOB)
-    assert (project / "plain.adirf").read_text() == _with(ADA)
     bob.forgive("409")
 
 

@@ -5,17 +5,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import pytest
 from playwright.sync_api import Locator, expect
 
 from axe import violations
-from ruler.browser.ruler_page import RulerPage, served
-from smarttestudo.ruler.files.project import SETTINGS_FILE
-
-if TYPE_CHECKING:
-    from playwright.sync_api import Browser
+from ruler.browser.ruler_page import RulerPage
 
 RULES = "begin\n    SetFrequency /odom 5\nend\n"
 
@@ -38,10 +33,10 @@ def options() -> tuple[str, ...]:
 def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, project: Path) -> None:
     page = ruler.page
     _expect_off(ruler.button("New Rule File"))
-    expect(page.get_by_role("checkbox", name="Save by itself")).to_be_disabled()
     ruler.button("More for patrol.adirf").click()
     for name in ("Rename", "Duplicate", "Delete"):
-        _expect_off(ruler.button(f"{name} patrol.adirf"))
+        _expect_off(page.get_by_role("menuitem", name=name))
+    page.keyboard.press("Escape")
     _expect_notice(ruler)
 
     ruler.open("patrol.adirf")
@@ -57,11 +52,11 @@ def test_every_page_says_it_and_what_changes_something_is_off(ruler: RulerPage, 
     assert (project / "patrol.adirf").read_text() == RULES
     assert violations(page) == []
 
-    page.get_by_role("link", name="Home").click()
+    page.get_by_role("link", name="Rules", exact=True).click()
     page.get_by_role("link", name="patrol.toml", exact=True).click()
     _expect_off(ruler.button("Measure on the robot"))
-    page.get_by_role("link", name="Home").click()
-    ruler.button("Watch Robots").click()
+    page.get_by_role("link", name="Rules", exact=True).click()
+    ruler.page.get_by_role("link", name="Robots").click()
     _expect_notice(ruler)
 
 
@@ -83,25 +78,6 @@ def test_what_a_save_would_do_is_off_where_somebody_compares_or_optimizes(
     _expect_off(ways.get_by_role("button", name="Save anyway"))
     ways.get_by_role("button", name="Read again").click()
     ruler.expect_lines("SetFrequency /odom 9")
-
-
-def test_a_project_that_saves_by_itself_does_not_ask_to(
-    browser: Browser, project: Path, options: tuple[str, ...]
-) -> None:
-    (project / SETTINGS_FILE).parent.mkdir()
-    (project / SETTINGS_FILE).write_text('{"saves_by_itself": true}')
-    with served(project, options=options) as url, browser.new_context() as context:
-        context.clock.install()
-        ruler = RulerPage(context.new_page(), url)
-        ruler.home()
-        expect(ruler.page.get_by_role("checkbox", name="Save by itself")).to_be_checked()
-        ruler.page.get_by_role("link", name="patrol.toml", exact=True).click()
-        ruler.page.get_by_label("Priority of /odom").fill("5")
-        expect(ruler.page.get_by_text("not saved")).to_be_visible()
-        context.clock.run_for(15_000)
-        # Whatever was asked before this is known when it is answered.
-        ruler.page.evaluate("fetch('/api/project').then(answer => answer.json())")
-        assert not [url for url in ruler.requests if url.endswith(("/api/profile/write", "/api/file"))]
 
 
 def _expect_notice(ruler: RulerPage) -> None:

@@ -35,7 +35,7 @@ def enter_table(ruler: RulerPage, budget: str, project: Path) -> None:
     for old in project.glob("quality/*.toml"):
         old.unlink()
     ruler.home()
-    ruler.button("Configure Topic Parameters").click()
+    ruler.page.get_by_role("link", name="Topics", exact=True).click()
     ruler.page.get_by_label("Total bandwidth (KB/s)").fill(budget)
     for number, (topic, (message_kb, tiers)) in enumerate(golden.TOPICS.items(), start=1):
         if number > 1:

@@ -36,12 +36,8 @@ _MAX_BYTES = 1_000_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProjectSettings:
-    """``saves_by_itself`` is whether the page saves what was changed without being asked.
+    """``profiles`` names the profile that somebody chose for a rule file, empty for none."""
 
-    ``profiles`` names the profile that somebody chose for a rule file, empty for none.
-    """
-
-    saves_by_itself: bool = False
     profiles: Mapping[str, str] = field(default_factory=dict)
 
 
@@ -57,20 +53,13 @@ class SettingsFile:
         with suppress(OSError, ValueError, RecursionError):
             found = json.loads(read_input(self._folder.path(SETTINGS_FILE), _MAX_BYTES))
             if isinstance(found, dict):
-                return ProjectSettings(
-                    saves_by_itself=found.get("saves_by_itself") is True,
-                    profiles=_names(found.get("profiles")),
-                )
+                return ProjectSettings(profiles=_names(found.get("profiles")))
         return ProjectSettings()
 
-    def set_saves_by_itself(self, *, is_wanted: bool) -> None:
-        """Write whether the page saves by itself; ``OutputFileError`` where that is not possible."""
-        self._change(lambda settings: replace(settings, saves_by_itself=is_wanted))
-
     def set_profile(self, rules: str, profile: str) -> None:
-        """Write that ``rules`` go with ``profile``, empty for none; ``OutputFileError`` as above.
+        """Write that ``rules`` go with ``profile``, empty for none.
 
-        What was chosen for rule files that are gone is forgotten.
+        Raises ``OutputFileError`` where it cannot. What was chosen for rule files that are gone is forgotten.
         """
 
         def chosen(settings: ProjectSettings) -> ProjectSettings:
@@ -124,7 +113,6 @@ class Project(Struct, frozen=True, kw_only=True):
 
     A bag is named by its folder, or by its file where it has no metadata. ``ros`` is whether the server can
     reach ROS 2; ``version`` is that of SmartTestudo. ``root_hash`` tells folders of one name apart.
-    ``saves_by_itself`` is whether the page saves what was changed without being asked.
     """
 
     root_name: str
@@ -134,13 +122,6 @@ class Project(Struct, frozen=True, kw_only=True):
     version: str
     ros: bool
     has_more: bool
-    saves_by_itself: bool
-
-
-class SettingsRequest(Struct, frozen=True, kw_only=True):
-    """Settings for everybody who opens the project."""
-
-    saves_by_itself: bool
 
 
 class FileAnswer(Struct, frozen=True, kw_only=True):
@@ -158,15 +139,11 @@ class FileOnDisk(Struct, frozen=True, kw_only=True):
 
 
 class SaveRequest(Struct, frozen=True, kw_only=True):
-    """A text to be saved; ``base_hash`` is what the editor read; null where the file must not exist yet.
-
-    ``by_itself`` is whether nobody asked the page to save.
-    """
+    """A text to be saved; ``base_hash`` is what the editor read; null where the file must not exist yet."""
 
     name: str
     text: str
     base_hash: str | None = None
-    by_itself: bool = False
 
 
 class SaveAnswer(Struct, frozen=True, kw_only=True):
@@ -208,7 +185,7 @@ class _Source:
 
 
 @job("GET /api/project")
-def project(folder: ProjectFolder, settings: SettingsFile) -> Project:
+def project(folder: ProjectFolder) -> Project:
     """The project with its files."""
     files, has_more = folder.files()
     return Project(
@@ -219,14 +196,7 @@ def project(folder: ProjectFolder, settings: SettingsFile) -> Project:
         version=__version__,
         ros=find_spec("rclpy") is not None,
         has_more=has_more,
-        saves_by_itself=settings.read().saves_by_itself,
     )
-
-
-@job("PUT /api/project/settings")
-def change_settings(request: SettingsRequest, folder: ProjectFolder, settings: SettingsFile) -> Project:
-    settings.set_saves_by_itself(is_wanted=request.saves_by_itself)
-    return project(folder, settings)
 
 
 @job("GET /api/file")
@@ -255,7 +225,7 @@ def save(request: SaveRequest, folder: ProjectFolder, versions: VersionStore) ->
         if before is not None:
             versions.keep(name, before.text, before.changed_at_ms)
         if is_rules:
-            versions.keep(name, request.text, by_itself=request.by_itself)
+            versions.keep(name, request.text)
     except TestudoError as error:
         # The file itself is saved, and that must be said.
         return SaveAnswer(hash=sha256, note=error.cause)
@@ -277,7 +247,7 @@ def rename(
     if source.kind is FileKind.RULES:
         versions.move(name, new_name)
     settings.follow(name, new_name)
-    return project(folder, settings)
+    return project(folder)
 
 
 @job("POST /api/file/copy")
@@ -296,20 +266,18 @@ def copy(
         profile = settings.read().profiles.get(name)
         if profile is not None:
             settings.set_profile(new_name, profile)
-    return project(folder, settings)
+    return project(folder)
 
 
 @job("POST /api/file/delete")
-def delete(
-    request: DeleteRequest, folder: ProjectFolder, settings: SettingsFile, versions: VersionStore
-) -> Project:
+def delete(request: DeleteRequest, folder: ProjectFolder, versions: VersionStore) -> Project:
     """Remove a rule file, of which a version is kept, or a profile."""
     name = request.name
     if folder.kind(name) is FileKind.RULES:
         found = folder.read(name)
         versions.keep(name, found.text, found.changed_at_ms)
     folder.remove(name, request.base_hash)
-    return project(folder, settings)
+    return project(folder)
 
 
 def _source(folder: ProjectFolder, name: str, new_name: str) -> _Source:

@@ -33,9 +33,8 @@ from smarttestudo.ruler.job import TextAnswer, job
 
 VERSIONS_FOLDER = ".testudo/versions"
 MAX_VERSIONS = 50
-_JOINED_MS = 300_000
-"""Of the versions that the page saved by itself in each five minutes of the clock, the last one is kept."""
-_ID = re.compile(r"(\d{8}T\d{9})Z(-auto)?\Z", re.ASCII)
+_ID = re.compile(r"(\d{8}T\d{9})Z(?:-auto)?\Z", re.ASCII)
+"""Those that an older page saved without being asked end in ``-auto``."""
 _STAMP = "%Y%m%dT%H%M%S"
 _SUFFIX = ".adirf"
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
@@ -43,11 +42,10 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class KeptVersion:
-    """A version by its id; ``by_itself`` is whether the page saved it without being asked."""
+    """A version by its id."""
 
     id: str
     saved_at_ms: int
-    by_itself: bool
     size_bytes: int
 
 
@@ -89,7 +87,7 @@ class VersionStore:
         except (OSError, UnicodeDecodeError) as error:
             raise TestudoError("this version cannot be read", place=f"{name} {version_id}") from error
 
-    def keep(self, name: str, text: str, saved_at_ms: int | None = None, *, by_itself: bool = False) -> None:
+    def keep(self, name: str, text: str, saved_at_ms: int | None = None) -> None:
         """Keep ``text``, which was saved now where nothing else is said, unless it is the newest already.
 
         The oldest beyond 50 are removed. Raises ``OutputFileError`` where it cannot be written.
@@ -104,12 +102,9 @@ class VersionStore:
             # A clock that was set back does not make it older than what it follows.
             stamp_ms = saved_at_ms if newest is None else max(saved_at_ms, newest.saved_at_ms + 1)
             self._prepare(place)
-            written = f"{_stamp(stamp_ms)}{'-auto' if by_itself else ''}"
-            with whole_file(place / f"{written}{_SUFFIX}", "the version", must_be_new=True) as write:
+            with whole_file(place / f"{_stamp(stamp_ms)}{_SUFFIX}", "the version", must_be_new=True) as write:
                 write(text)
-            joined = [newest] if newest is not None and by_itself and _is_joined(newest, stamp_ms) else []
-            beyond = known[MAX_VERSIONS - 1 + len(joined) :]
-            for one in (*joined, *beyond):
+            for one in known[MAX_VERSIONS - 1 :]:
                 # What cannot be removed now is removed after the next save.
                 with suppress(OSError, TestudoError):
                     remove(place, [f"{one.id}{_SUFFIX}"])
@@ -163,13 +158,8 @@ def _kept(entries: Iterable[os.DirEntry[str]]) -> Iterable[KeptVersion]:
                 yield KeptVersion(
                     id=version_id,
                     saved_at_ms=_milliseconds(match[1]),
-                    by_itself=match[2] is not None,
                     size_bytes=entry.stat().st_size,
                 )
-
-
-def _is_joined(version: KeptVersion, stamp_ms: int) -> bool:
-    return version.by_itself and version.saved_at_ms // _JOINED_MS == stamp_ms // _JOINED_MS
 
 
 def _stamp(milliseconds: int) -> str:
@@ -187,7 +177,7 @@ _COMPARED_BYTES = 1_000_000
 
 
 class RuleVersion(Struct, frozen=True, kw_only=True):
-    """One version; ``saved_at_ms`` counts since 1970, ``by_itself`` is whether nobody asked the page to save.
+    """One version; ``saved_at_ms`` counts since 1970.
 
     ``changes`` is what a robot does otherwise than with the version before: empty where only comments or
     layout differ, null where none is before it or it was not compared. ``parses`` is whether it is without
@@ -196,7 +186,6 @@ class RuleVersion(Struct, frozen=True, kw_only=True):
 
     id: str
     saved_at_ms: int
-    by_itself: bool
     size_bytes: int
     changes: tuple[str, ...] | None
     parses: bool | None
@@ -279,7 +268,6 @@ def _version(one: KeptVersion, text: ParseResult | None, before: ParseResult | N
     return RuleVersion(
         id=one.id,
         saved_at_ms=one.saved_at_ms,
-        by_itself=one.by_itself,
         size_bytes=one.size_bytes,
         changes=None if text is None or before is None else differences(before, text),
         parses=None if text is None else text.is_valid,

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import queue
 import threading
 import time
@@ -20,15 +21,16 @@ from msgspec import Struct
 from smarttestudo.domain.errors import RosError, TestudoError
 from smarttestudo.domain.parameter import ParameterValue, Refusals, Values
 from smarttestudo.domain.remote_robots import RemoteRobots
-from smarttestudo.ruler.job import job
+from smarttestudo.ruler.job import RequestError, job
 from smarttestudo.ruler.robots.checks import (
     RobotChecks,
     RobotChecksAnswer,
     RobotChecksRequest,
 )
-from smarttestudo.ruler.robots.history import RobotHistory, RobotHistoryAnswer
+from smarttestudo.ruler.robots.history import KEPT_S, RobotHistory, RobotHistoryAnswer
+from smarttestudo.ruler.robots.known import KnownRobots
 from smarttestudo.ruler.robots.view import RobotStartAnswer, robot_start
-from smarttestudo.ruler.robots.watch import RobotWatch, SeenRobot
+from smarttestudo.ruler.robots.watch import RobotWatch, RuleWords, SeenRobot, seen_robot
 
 _WAIT_S = 0.05
 _PATIENCE_S = 15.0
@@ -36,6 +38,7 @@ _BEGIN_AGAIN_S = 5.0
 _END_WITHIN_S = 3.0
 # What was asked for on leaving is sent, and mostly answered, within this.
 _FAREWELL_S = 0.3
+_KEEP_EVERY_S = 30.0
 _Answer = TypeVar("_Answer")
 _Order = Callable[[RemoteRobots], None]
 OpenRobots = Callable[[], AbstractContextManager[RemoteRobots]]
@@ -46,6 +49,12 @@ _LEFT = "the Ruler listens to robots no more"
 
 class RobotRequest(Struct, frozen=True, kw_only=True):
     """A robot by its node."""
+
+    node: str
+
+
+class RobotRemoved(Struct, frozen=True, kw_only=True):
+    """The robot that is known no more, until it is heard again."""
 
     node: str
 
@@ -62,12 +71,17 @@ class RobotLink:
     ``news`` is called on their thread with the robots of which a status came, and once that begins.
     """
 
-    def __init__(self, open_robots: OpenRobots) -> None:
+    def __init__(self, open_robots: OpenRobots, known: KnownRobots) -> None:
         self.news: Callable[[Sequence[SeenRobot]], None] = lambda *_: None
         self._open_robots = open_robots
+        self._removed: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._orders: queue.SimpleQueue[_Order] = queue.SimpleQueue()
         self._wanted_hz: Mapping[str, float] = MappingProxyType({})
-        self._seen: Mapping[str, SeenRobot] = MappingProxyType({})
+        self._known = known
+        self._seen: Mapping[str, SeenRobot] = MappingProxyType(
+            {name: seen_robot(one, RuleWords()) for name, one in known.read().items()}
+        )
+        self._kept_s = -math.inf
         self._histories: dict[str, RobotHistory] = {}
         self._checks: dict[str, RobotChecks] = {}
         self._problem: str | None = _STARTING
@@ -135,6 +149,38 @@ class RobotLink:
 
         return self._ask(order)
 
+    def remove(self, node: str) -> None:
+        """Know a robot no more that is silent. Raises ``RequestError`` for one that is heard."""
+        self.require_known(node)
+        if self._seen[node].is_heard(time.monotonic()):
+            raise RequestError(f"{node} is heard now", 409, remedy="end its testudo run first")
+        self._removed.put(node)
+        with self._lock:
+            if self._thread is None or not self._thread.is_alive():
+                self._remove()
+
+    def _remove(self, watch: RobotWatch | None = None) -> None:
+        """Forget what is to be removed, and keep those that are left."""
+        with contextlib.suppress(queue.Empty):
+            while True:
+                node = self._removed.get_nowait()
+                if watch is not None:
+                    watch.remove(node)
+                self._seen = MappingProxyType({name: one for name, one in self._seen.items() if name != node})
+                self._kept_s = -math.inf
+                self.news(())
+        self._keep()
+
+    def _keep(self) -> None:
+        """Write the robots down, from time to time."""
+        now_s = time.monotonic()
+        if now_s < self._kept_s + _KEEP_EVERY_S:
+            return
+        self._kept_s = now_s
+        # They are known in memory until the disk takes them.
+        with contextlib.suppress(OSError, TestudoError):
+            self._known.write(self._seen.values())
+
     def require_known(self, node: str) -> None:
         """Raise ``UnknownRobotError`` for a robot that never spoke, of which nothing is asked."""
         if node not in self._seen:
@@ -187,7 +233,7 @@ class RobotLink:
     def _run(self) -> None:
         try:
             with self._open_robots() as robots:
-                watch = RobotWatch(robots, time.monotonic)
+                watch = RobotWatch(robots, time.monotonic, self._seen)
                 self._problem = None
                 self._remedy = robots.remedy
                 self._is_up.set()
@@ -209,12 +255,18 @@ class RobotLink:
             for one in news:
                 self._histories.setdefault(one.status.robot_id, RobotHistory()).add(one)
                 self._checks.setdefault(one.status.robot_id, RobotChecks()).add(one)
-            for node in self._histories.keys() - watch.seen.keys():
+            oldest_s = time.monotonic() - KEPT_S
+            for node in [name for name in self._histories if not _is_within(watch.seen.get(name), oldest_s)]:
                 del self._histories[node], self._checks[node]
             if news or len(watch.seen) < len(self._seen):
+                # A robot that is new is written down at once.
+                self._kept_s = self._kept_s if watch.seen.keys() <= self._seen.keys() else -math.inf
                 self._seen = MappingProxyType(dict(watch.seen))
+            self._remove(watch)
             if news:
                 self.news(news)
+        self._kept_s = -math.inf
+        self._keep()
         watch.want({})
         end_s = time.monotonic() + _FAREWELL_S
         while time.monotonic() < end_s:
@@ -224,6 +276,10 @@ class RobotLink:
         with contextlib.suppress(queue.Empty):
             while True:
                 self._orders.get_nowait()(robots)
+
+
+def _is_within(seen: SeenRobot | None, oldest_s: float) -> bool:
+    return seen is not None and seen.heard_s >= oldest_s
 
 
 def _settle(answer: Future[_Answer], result: _Answer | TestudoError) -> None:
@@ -254,3 +310,10 @@ def start_from_robot(request: RobotRequest, robots: RobotLink) -> RobotStartAnsw
     """A project from what a robot relays. Raises ``UnknownRobotError``."""
     robots.require_known(request.node)
     return robot_start(robots.seen[request.node].status)
+
+
+@job("POST /api/robot/remove")
+def remove_robot(request: RobotRequest, robots: RobotLink) -> RobotRemoved:
+    """Remove a robot that is silent from the list. Raises ``UnknownRobotError`` and ``RequestError``."""
+    robots.remove(request.node)
+    return RobotRemoved(node=request.node)

@@ -16,14 +16,15 @@ from typing import Literal
 from msgspec import Struct
 
 from smarttestudo.domain.decision import bound_texts
-from smarttestudo.domain.link import LinkState, TopicOnLink
+from smarttestudo.domain.health import Health, robot_health, topic_health
+from smarttestudo.domain.link import LinkState
 from smarttestudo.domain.rate import RATE_STEP_HZ
 from smarttestudo.domain.record import Measured
 from smarttestudo.domain.robot import DiagnosticLevel
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus, TopicStatus
 from smarttestudo.domain.units import BYTES_PER_KB
 from smarttestudo.optimizer.profiling import proposed_tiers_hz, rounded
-from smarttestudo.robot.diagnostics import Health, accepted_text, node_health, recording_text, topic_health
+from smarttestudo.robot.diagnostics import accepted_text, recording_text
 from smarttestudo.ruler.files.recordings import defaults_text
 from smarttestudo.ruler.robots.watch import RobotCheck, SeenRobot, written_checks
 from smarttestudo.ruler.topics.profiles import (
@@ -33,15 +34,6 @@ from smarttestudo.ruler.topics.profiles import (
     six_levels,
     write_table,
 )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class OldestTopic:
-    """The topic whose last message was the oldest when it arrived at the operator."""
-
-    topic: str
-    age_ms: float
-
 
 HealthLevel = Literal["ok", "warn", "error", "stale"]
 _LEVELS: Mapping[DiagnosticLevel, HealthLevel] = {
@@ -69,8 +61,7 @@ class RobotSummary:
     """One robot of a list; ``label`` is what people call it, ``health`` null where all is well.
 
     ``is_heard`` is false once it has been silent for longer than it should be; ``heard_s_ago`` is the time
-    since its last status. ``topics`` are counted. ``lost`` counts messages that overflowed on the link, of
-    all topics that lost some within the last minute.
+    since its last status. ``topics`` are counted, ``recorded`` the incidents on its disk since it started.
     """
 
     node: str
@@ -83,8 +74,7 @@ class RobotSummary:
     budget_kb_per_s: float | None
     out_kb_per_s: Measured
     link: LinkState | None
-    lost: int
-    oldest: OldestTopic | None
+    recorded: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -112,9 +102,18 @@ class Live:
     full_names: Mapping[str, str]
 
 
+_WORST_FIRST = (DiagnosticLevel.ERROR, DiagnosticLevel.STALE, DiagnosticLevel.WARN, DiagnosticLevel.OK)
+
+
 def robot_summaries(robots: Iterable[SeenRobot], now_s: float) -> tuple[RobotSummary, ...]:
-    """A line for each robot, by node."""
-    return tuple(_robot(one, now_s) for one in sorted(robots, key=lambda one: one.status.robot_id))
+    """A line for each robot: the worst first, the longest silent before all, then by name."""
+
+    def order(seen: SeenRobot) -> tuple[int, float, str]:
+        silent_s = seen.silent_s(now_s)
+        level = robot_health(seen.status, silent_s).level
+        return _WORST_FIRST.index(level), -(silent_s or 0.0), seen.status.robot_id
+
+    return tuple(_robot(one, now_s) for one in sorted(robots, key=order))
 
 
 def live_model(seen: SeenRobot) -> Live:
@@ -146,7 +145,7 @@ def _words(health: Health) -> HealthWords:
 
 def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
     status = seen.status
-    health = node_health(status)
+    health = robot_health(status, seen.silent_s(now_s))
     return RobotSummary(
         node=status.robot_id,
         label=robot_label(status),
@@ -158,29 +157,13 @@ def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
         budget_kb_per_s=status.budget_kb_per_s,
         out_kb_per_s=status.out_kb_per_s,
         link=status.link,
-        lost=sum(_lost(topic.on_link) for topic in status.topics.values()),
-        oldest=_oldest(status),
+        recorded=0 if status.incidents is None else status.incidents.recorded,
     )
 
 
 def robot_label(status: RuntimeStatus) -> str:
     """Name that people call the robot by."""
     return status.robot or status.node
-
-
-def _oldest(status: RuntimeStatus) -> OldestTopic | None:
-    ages_ms = {
-        name: topic.on_link.age_ms
-        for name, topic in status.topics.items()
-        if topic.on_link is not None and topic.on_link.age_ms is not None
-    }
-    oldest = max(ages_ms, key=lambda name: ages_ms[name], default=None)
-    return None if oldest is None else OldestTopic(topic=oldest, age_ms=ages_ms[oldest])
-
-
-def _lost(on_link: TopicOnLink | None) -> int:
-    """Messages that overflowed of a topic that still loses some, else 0."""
-    return on_link.counts.overflowed if on_link is not None and on_link.counts.is_losing else 0
 
 
 class RobotStartAnswer(Struct, frozen=True, kw_only=True):

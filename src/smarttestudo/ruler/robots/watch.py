@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""The robots that can be heard, watched on one thread."""
+"""The robots that can be heard, or were, watched on one thread."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
+from types import MappingProxyType
 
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.domain.parameter import Refusals, Values
@@ -15,6 +16,7 @@ from smarttestudo.domain.status import RuntimeStatus
 from smarttestudo.language.parser import parse
 from smarttestudo.language.syntax import Block, Operator
 from smarttestudo.language.syntax_walks import checks_in
+from smarttestudo.ruler.robots.known import latest
 from smarttestudo.ruler.rules.statement_trees import page_value
 from smarttestudo.ruler.rules.statements import Compared
 
@@ -109,7 +111,6 @@ class StatusRateRequest:
 TEXTS_PARAMETER = "rules_in_force"
 HZ_PARAMETER = "status_hz"
 _HEARD_WITHIN_S = 2.4
-_FORGET_AFTER_S = 600.0
 _ASK_AGAIN_S = 5.0
 
 
@@ -128,6 +129,21 @@ class SeenRobot(HeardStatus):
         """Whether it spoke as lately as it should."""
         return self.is_present and now_s - self.heard_s <= self.silent_after_s
 
+    def silent_s(self, now_s: float) -> float | None:
+        """For how long it is silent; ``None`` while it is heard."""
+        return None if self.is_heard(now_s) else max(now_s - self.heard_s, 0.0)
+
+
+def seen_robot(heard: HeardStatus, words: RuleWords) -> SeenRobot:
+    """A status that was heard, with the words of its rules."""
+    return SeenRobot(
+        status=heard.status,
+        heard_s=heard.heard_s,
+        size_bytes=heard.size_bytes,
+        is_present=heard.is_present,
+        words=words,
+    )
+
 
 def written_checks(seen: SeenRobot) -> Iterator[tuple[Place, RobotCheck | None]]:
     """The checks of a status by their places; ``None`` for those whose words are not known."""
@@ -143,7 +159,12 @@ class RobotWatch:
     All calls are those of one thread, the one that waits in ``robots``. Robots are told by their ids.
     """
 
-    def __init__(self, robots: RemoteRobots, steady_s: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        robots: RemoteRobots,
+        steady_s: Callable[[], float],
+        known: Mapping[str, HeardStatus] = MappingProxyType({}),
+    ) -> None:
         self._robots = robots
         self._steady_s = steady_s
         self._wanted_hz: Mapping[str, float] = {}
@@ -151,17 +172,21 @@ class RobotWatch:
         self._words: dict[str, RuleWords] = {}
         self._ask_again_s: dict[str, float] = {}
         self._seen: dict[str, SeenRobot] = {}
+        self._not_heard = set(known)
+        for name, one in known.items():
+            self._see(name, one)
 
     def poll(self) -> list[SeenRobot]:
         """The robots of which something new came since the last poll."""
         now_s = self._steady_s()
         heard = dict(self._robots.heard)
         news = [self._see(name, one) for name, one in heard.items() if self._is_new(name, one)]
-        for name in [name for name, one in self._seen.items() if now_s > one.heard_s + _FORGET_AFTER_S]:
-            self._robots.forget(name)
-        for name in self._seen.keys() - self._robots.heard.keys():
-            del self._seen[name]
-            self._words.pop(name, None)
+        self._not_heard -= heard.keys()
+        # The robots of one name are told apart, and called otherwise once one of them is gone.
+        for name in self._seen.keys() - heard.keys() - self._not_heard:
+            self._forget(name)
+        for name in self._seen.keys() - {one.status.robot_id for one in latest(self._seen.values())}:
+            self.remove(name)
         for one in news:
             self._tend(one.status, now_s)
         return news
@@ -170,6 +195,16 @@ class RobotWatch:
     def seen(self) -> Mapping[str, SeenRobot]:
         """All robots by their ids, as of the last poll; a live view."""
         return self._seen
+
+    def remove(self, name: str) -> None:
+        """Know a robot no more, until it is heard again."""
+        self._robots.forget(name)
+        self._forget(name)
+
+    def _forget(self, name: str) -> None:
+        self._not_heard.discard(name)
+        self._seen.pop(name, None)
+        self._words.pop(name, None)
 
     def want(self, wanted_hz: Mapping[str, float]) -> None:
         """Watch these robots, so many times a second, and no others."""
@@ -192,13 +227,7 @@ class RobotWatch:
         words = self._words.get(node, RuleWords())
         if words.sha256 != heard.status.rules.sha256:
             words = RuleWords()
-        seen = SeenRobot(
-            status=heard.status,
-            heard_s=heard.heard_s,
-            size_bytes=heard.size_bytes,
-            is_present=heard.is_present,
-            words=words,
-        )
+        seen = seen_robot(heard, words)
         self._seen[node] = seen
         return seen
 

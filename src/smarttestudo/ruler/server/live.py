@@ -251,7 +251,7 @@ class LiveFeed:
         return self._link.problem, [
             (
                 *(one.node, one.is_heard, one.rules.sha256, one.rules.origin, one.topics),
-                one.link and one.link.is_connected,
+                one.health and (one.health.level, one.is_heard and one.health.summary),
             )
             for one in models
         ]

@@ -21,7 +21,16 @@ from starlette.routing import Route
 from starlette.types import Scope
 
 from smarttestudo.domain.errors import TestudoError
-from smarttestudo.ruler.job import Download, Job, Permission, Pieces, Report, RequestError, answer_json
+from smarttestudo.ruler.job import (
+    Download,
+    Job,
+    Permission,
+    Picture,
+    Pieces,
+    Report,
+    RequestError,
+    answer_json,
+)
 from smarttestudo.ruler.problem import ErrorAnswer, problem_of
 
 JSON = "application/json"
@@ -192,6 +201,9 @@ def _response(request: Request, answer: object) -> Response:
     match answer:
         case bytes():
             return Response(answer, media_type=_PNG)
+        case Picture():
+            headers = {"Cache-Control": "private, max-age=3600, immutable"}
+            return Response(answer.content, media_type=answer.media_type, headers=headers)
         case Download():
             # The name has neither quotes nor slashes. Where a file cannot be read, the answer breaks off.
             headers = {"Content-Disposition": f'attachment; filename="{answer.name}.zip"'}

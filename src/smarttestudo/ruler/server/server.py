@@ -26,6 +26,7 @@ from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.files.versions import VersionStore
 from smarttestudo.ruler.incidents.robot_incidents import OpenIncidents, RobotIncidents
 from smarttestudo.ruler.job import RequestError, all_jobs
+from smarttestudo.ruler.robots.known import KnownRobots
 from smarttestudo.ruler.robots.link import OpenRobots, RobotLink
 from smarttestudo.ruler.rules.document import CheckedTexts
 from smarttestudo.ruler.server.guard import Guard, ServerAddress
@@ -49,7 +50,7 @@ def ruler_app(
     processes = Processes(folder.root)
     keeps = Keeps(folder, processes.result)
     robot_incidents = RobotIncidents(folder, open_incidents)
-    link = RobotLink(open_robots)
+    link = RobotLink(open_robots, KnownRobots(folder))
     feed = LiveFeed(link, listeners)
     services: dict[object, object] = {
         ProjectFolder: folder,

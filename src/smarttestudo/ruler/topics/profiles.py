@@ -26,7 +26,7 @@ from smarttestudo.robot.profile import profile_of_robot
 from smarttestudo.robot.ros import open_robot
 from smarttestudo.ruler.files.project import SettingsFile
 from smarttestudo.ruler.files.project_folder import FileKind, ForbiddenPathError, ProjectFolder
-from smarttestudo.ruler.files.recordings import BagRequest
+from smarttestudo.ruler.files.recordings import READING, BagRequest
 from smarttestudo.ruler.job import Limit, Report, TextAnswer, job
 from smarttestudo.ruler.topics.vocabulary import topics_in
 from smarttestudo.rules.profile_edit import edited_profile
@@ -236,6 +236,12 @@ class MeasureLiveRequest(Struct, frozen=True, kw_only=True):
     run: str = ""
 
 
+class MeasureRequest(BagRequest, frozen=True, kw_only=True):
+    """A bag to be measured; ``run`` names the job in ``Progress`` messages of ``/ws``."""
+
+    run: str = ""
+
+
 class LevelsRequest(Struct, frozen=True, kw_only=True):
     """A source of ``source_hz`` that needs six levels."""
 
@@ -286,14 +292,14 @@ def _profiles(folder: ProjectFolder) -> Iterator[tuple[str, Profile]]:
             yield name, parse_profile(folder.read(name).text, Path(name))
 
 
-@job("POST /api/profile/measure", reads=True)
-def measured(request: BagRequest, folder: ProjectFolder) -> TextAnswer:
+@job("POST /api/profile/measure", reads=True, limit=READING)
+def measured(request: MeasureRequest, folder: ProjectFolder, report: Report) -> TextAnswer:
     """A profile measured in a bag; ``RecordingError`` where it cannot be read."""
     from smarttestudo.bags.profile import profile_of_recording  # noqa: PLC0415  reads bags
     from smarttestudo.bags.reader import open_recording  # noqa: PLC0415  most projects have no bag
 
     with open_recording(folder.bag(request.bag)) as recording:
-        return TextAnswer(text=profile_of_recording(recording, name=request.bag))
+        return TextAnswer(text=profile_of_recording(recording, name=request.bag, report=report))
 
 
 def profile_for(name: str, rules: ParseResult, profiles: Mapping[str, Profile]) -> str | None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from msgspec import Struct
 
+from smarttestudo.bags.incident_record import record_beside
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.names import is_source
@@ -57,6 +58,7 @@ class CheckCourseRequest(Struct, frozen=True, kw_only=True):
 class CheckCourse:
     """The values of a check's property in bins of ``bin_s``, and what held when; times are since the start.
 
+    Of an incident that is the start of its window, and ``duration_s`` is as long as that.
     ``least`` and ``greatest`` are those that the check met in each bin, null where it was unknown
     throughout. Of one that compares with no number, ``words`` say what it read from when on, null where that
     was unknown. ``check`` and ``condition`` say what each turned to when; all these turn at most 2000 times.
@@ -87,9 +89,12 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
     require_usable(draft)
     with open_recording(bag) as recording:
         rule_set = compiled_for(draft, recording)
-        truths = TruthWatch(rule_set, recording.start_ns, max_turns=MAX_TURNS)
+        record = record_beside(bag)
+        start_ns = recording.start_ns if record is None else record.from_ns
+        end_ns = recording.end_ns if record is None else record.to_ns
+        truths = TruthWatch(rule_set, start_ns, max_turns=MAX_TURNS)
         compared = _check_in(request.condition).value
-        values = _ValueWatch(_signal_of(rule_set), compared, recording.start_ns, recording.end_ns)
+        values = _ValueWatch(_signal_of(rule_set), compared, start_ns, end_ns)
 
         def stepped(now_ns: int, loop: RelayLoop) -> None:
             truths.stepped(now_ns, loop)
@@ -109,7 +114,7 @@ def check_course(request: CheckCourseRequest, folder: ProjectFolder, report: Rep
         values.finish()
     check, condition = truths.blocks[0], truths.blocks[-1]
     return CheckCourse(
-        duration_s=outcome.duration_s,
+        duration_s=(end_ns - start_ns) / NS_PER_S,
         bin_s=values.width_ns / NS_PER_S,
         least=tuple(values.least),
         greatest=tuple(values.greatest),

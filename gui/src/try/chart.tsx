@@ -4,29 +4,27 @@ import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { effect, type Signal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
-import { useEffect, useMemo, useRef } from "preact/hooks";
-import { Playback, SPEEDS, type Timeline } from "../state/timeline";
-import { Button } from "../ui/button";
-import { Choice } from "../ui/choice";
+import { useEffect, useRef } from "preact/hooks";
+import type { Timeline } from "../state/timeline";
 import { readable } from "../ui/numbers";
 import { styleOf, watchSize, watchTheme } from "../ui/watch";
+import { Lane } from "./axis";
 
-/** A chart over a time, with the slider's time as a line. `lines` must stay the same object while they are the same. */
-export function Strip(props: { timeline: Timeline; lines: StripLines; label: string; children: ComponentChildren }) {
+/** A lane with numbers over the time. `lines` must stay the same object while they are the same. */
+export function Chart(props: { timeline: Timeline; lines: ChartLines; label: string; children: ComponentChildren }) {
   const { timeline, lines, label, children } = props;
   const host = useRef<HTMLDivElement>(null);
-  const opened = useRef<OpenStrip | null>(null);
+  const opened = useRef<OpenChart | null>(null);
   useEffect(() => {
     if (host.current === null) return;
-    opened.current = openStrip(host.current, timeline, lines);
+    opened.current = openChart(host.current, timeline, lines);
     return opened.current.close;
   }, [timeline, lines.threshold, lines.isFixed]);
   useEffect(() => opened.current?.show(lines), [lines]);
   return (
-    <figure class="strip" aria-label={label}>
-      <figcaption>{children}</figcaption>
-      <div ref={host} class="strip-plot" />
-    </figure>
+    <Lane timeline={timeline} label={label} caption={children}>
+      <div ref={host} class="chart" />
+    </Lane>
   );
 }
 
@@ -40,7 +38,7 @@ const MINUTES_S = [60, 120, 300, 600, 1200, 1800];
 type Values = readonly (number | null)[];
 
 /** What a chart shows, bin by bin: `before`, if given, thin and dashed, `after` filled down to `least`, or to 0. */
-interface StripLines {
+interface ChartLines {
   before?: Values;
   after: Values;
   least?: Values;
@@ -54,25 +52,27 @@ interface StripLines {
 }
 
 /** A chart that is open: `show` gives it other values of the same kinds. */
-interface OpenStrip {
-  show(lines: StripLines): void;
+interface OpenChart {
+  show(lines: ChartLines): void;
   close(): void;
 }
 
-/** A chart over the recording's time; the scrubber is a line. */
-function openStrip(host: HTMLElement, timeline: Timeline, first: StripLines): OpenStrip {
+function openChart(host: HTMLElement, timeline: Timeline, first: ChartLines): OpenChart {
   let lines = first;
   const now = () => lines;
-  let plot = draw(host, timeline, now);
-  let follow = drawMarks(plot, timeline, lines);
+  const { threshold, isFixed = false } = first;
+  const open = () => {
+    const plot = draw(host, timeline, now);
+    return { plot, stop: threshold ? drawThreshold(plot, threshold, isFixed) : () => {} };
+  };
+  let { plot, stop } = open();
   const close = () => {
-    follow();
+    stop();
     plot.destroy();
   };
   const again = () => {
     close();
-    plot = draw(host, timeline, now);
-    follow = drawMarks(plot, timeline, lines);
+    ({ plot, stop } = open());
   };
   const stops = [
     watchSize(host, () => plot.setSize({ width: host.clientWidth, height: heightOf(lines) })),
@@ -91,19 +91,12 @@ function openStrip(host: HTMLElement, timeline: Timeline, first: StripLines): Op
   };
 }
 
-function heightOf({ threshold }: StripLines): number {
+function heightOf({ threshold }: ChartLines): number {
   return threshold ? DRAGGED_HEIGHT_PX : HEIGHT_PX;
 }
 
-function drawMarks(plot: uPlot, timeline: Timeline, { threshold, isFixed = false }: StripLines): () => void {
-  const stops = [drawTime(plot, timeline), ...(threshold ? [drawThreshold(plot, threshold, isFixed)] : [])];
-  return () => {
-    for (const stop of stops) stop();
-  };
-}
-
 /** The least and the greatest of what a chart of a band and a threshold shows, with room around them. */
-function limits({ after, least = [], threshold }: StripLines): [number, number] {
+function limits({ after, least = [], threshold }: ChartLines): [number, number] {
   const all = [...least, ...after, threshold?.peek() ?? null].filter((value) => value !== null);
   const [low, high] = all.reduce(
     ([a, b], value) => [Math.min(a, value), Math.max(b, value)],
@@ -113,13 +106,13 @@ function limits({ after, least = [], threshold }: StripLines): [number, number] 
   return [low - room, high + room];
 }
 
-function dataOf(timeline: Timeline, { before, after, least, timesS }: StripLines): uPlot.AlignedData {
+function dataOf(timeline: Timeline, { before, after, least, timesS }: ChartLines): uPlot.AlignedData {
   const times = (timesS ?? timeline.binTimes).map((t) => t - timeline.zeroS);
   const other = before ?? least;
   return [times, ...(other ? [[...other]] : []), [...after]];
 }
 
-function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): uPlot {
+function draw(host: HTMLElement, timeline: Timeline, lines: () => ChartLines): uPlot {
   const { before, least, timeWords } = lines();
   const colour = styleOf(host);
   const axis = {
@@ -132,11 +125,14 @@ function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): u
   const recorded = { stroke: colour("--text-2"), width: 1, dash: [4, 3], points: { show: false } };
   const { zeroS } = timeline;
   const edge = { stroke: sent.stroke, width: 1, points: sent.points };
+  // The plot is exactly as wide as its lane, whatever its numbers are.
+  const [left, right] = ["--axis-left", "--axis-right"].map((name) => Number.parseFloat(colour(name)));
   return new uPlot(
     {
       width: host.clientWidth,
       height: heightOf(lines()),
-      cursor: { sync: { key: "try" }, drag: { x: false, y: false }, y: false, points: { show: false } },
+      padding: [8, right ?? 0, 0, 0],
+      cursor: { show: false },
       scales: {
         x: { time: false, range: [-zeroS, timeline.durationS - zeroS] },
         y: { range: least ? () => limits(lines()) : (_, __, most) => [0, (most || 1) * ROOM] },
@@ -144,7 +140,7 @@ function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): u
       legend: { show: false },
       axes: [
         { ...axis, ...words, size: 24 },
-        { ...axis, size: 46 },
+        { ...axis, size: left ?? 0 },
       ],
       series: before ? [{}, recorded, sent] : least ? [{}, edge, edge] : [{}, sent],
       bands: least ? [{ series: [2, 1], fill: colour("--accent-soft") }] : [],
@@ -152,36 +148,6 @@ function draw(host: HTMLElement, timeline: Timeline, lines: () => StripLines): u
     dataOf(timeline, lines()),
     host,
   );
-}
-
-/** Keeps a line at the time of the scrubber, which pressing and dragging on the chart moves, and one at each mark. */
-function drawTime(plot: uPlot, timeline: Timeline): () => void {
-  const { zeroS } = timeline;
-  const line = lineOn(plot, "strip-now");
-  const marks = timeline.marksS.map((markS) => ({ markS, line: lineOn(plot, "strip-mark") }));
-  const put = (element: HTMLElement, timeS: number) => {
-    element.style.left = `${plot.valToPos(timeS - zeroS, "x")}px`;
-  };
-  const place = () => {
-    put(line, timeline.time.value);
-    for (const { markS, line } of marks) put(line, markS);
-  };
-  plot.hooks.setSize = [...(plot.hooks.setSize ?? []), place];
-  const scrub = (event: PointerEvent) => {
-    if (event.buttons !== 1) return;
-    plot.over.setPointerCapture(event.pointerId);
-    timeline.goTo(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x") + zeroS);
-  };
-  plot.over.addEventListener("pointerdown", scrub);
-  plot.over.addEventListener("pointermove", scrub);
-  return effect(place);
-}
-
-function lineOn(plot: uPlot, name: string): HTMLElement {
-  const line = document.createElement("div");
-  line.className = name;
-  plot.over.append(line);
-  return line;
 }
 
 const STEPS: Readonly<Record<string, number>> = { ArrowUp: 1, ArrowDown: -1, PageUp: 10, PageDown: -10 };
@@ -241,78 +207,4 @@ function drawThreshold(plot: uPlot, value: Signal<number>, isFixed: boolean): ()
     move(value.peek() + steps * stepOf(most - least));
   });
   return effect(place);
-}
-
-const SLIDER_STEPS = 500;
-const WIDTH = 1000;
-
-interface ScrubberProps {
-  timeline: Timeline;
-  /** What a screen reader calls the slider, and its time. */
-  label: string;
-  words: string;
-  /** The time for reading. */
-  said: string;
-  /** Times with a tick above the slider, besides the marks. */
-  ticksS: readonly number[];
-  /** Buttons on both sides of the slider. */
-  before?: ComponentChildren;
-  after?: ComponentChildren;
-}
-
-/** The one time that everything shows: a slider over the recording. */
-export function Scrubber({ timeline, label, words, said, ticksS, before, after }: ScrubberProps) {
-  const { durationS } = timeline;
-  const at = (t: number) => (durationS > 0 ? (WIDTH * t) / durationS : 0);
-  return (
-    <div class="scrubber" role="group" aria-label="Time">
-      <Player timeline={timeline} />
-      {before}
-      <div class="scrubber-track">
-        <svg viewBox={`0 0 ${WIDTH} 10`} preserveAspectRatio="none" aria-hidden="true">
-          {ticksS.map((t) => (
-            <line key={t} x1={at(t)} x2={at(t)} y1={0} y2={10} />
-          ))}
-          {timeline.marksS.map((t) => (
-            <line key={t} class="mark" x1={at(t)} x2={at(t)} y1={0} y2={10} />
-          ))}
-        </svg>
-        <input
-          type="range"
-          aria-label={label}
-          aria-valuetext={words}
-          min={0}
-          max={durationS}
-          step={durationS / SLIDER_STEPS || 1}
-          value={timeline.time.value}
-          onInput={(event) => timeline.goTo(Number(event.currentTarget.value))}
-        />
-      </div>
-      {after}
-      <output class="number">{said}</output>
-    </div>
-  );
-}
-
-/** Play and pause, and how fast. */
-function Player({ timeline }: { timeline: Timeline }) {
-  const playback = useMemo(() => new Playback(timeline), [timeline]);
-  useEffect(() => () => playback.pause(), [playback]);
-  const isPlaying = playback.isPlaying.value;
-  return (
-    <>
-      <Button
-        label={isPlaying ? "Pause" : "Play"}
-        class="small player"
-        onClick={() => (isPlaying ? playback.pause() : playback.play())}
-      />
-      <Choice
-        isBare
-        label="Speed"
-        value={playback.speed.value}
-        choices={SPEEDS.map((speed) => [speed, `${speed}×`] as const)}
-        choose={(speed) => (playback.speed.value = speed)}
-      />
-    </>
-  );
 }

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The SmartTestudo authors
+// SPDX-License-Identifier: Apache-2.0
+import { RecordingStart } from "../panels/project_start";
+import { readRoute, toRoute } from "../route";
+import { Button } from "../ui/button";
+import { NeedsServer } from "../ui/connection";
+import { Header } from "../ui/header";
+import { Breakable } from "../ui/notice";
+import { ago, moment, sizeWords } from "../ui/numbers";
+import type { PageProps } from "./page_props";
+
+const ALL = { page: "recordings", name: "" } as const;
+
+/** The recordings of the project; with a name, what to make of that one. */
+export function RecordingsPage({ api, project, refresh, name }: PageProps) {
+  const bags = project.files.filter(({ kind }) => kind === "bag").sort((a, b) => b.changed_at_s - a.changed_at_s);
+  // Rules that were made of it are open by then.
+  const close = () => {
+    if (readRoute().page === "recordings") toRoute(ALL);
+  };
+  return (
+    <>
+      <Header title="Recordings" />
+      <main class="home">
+        <section aria-label="Recordings" class="file-list">
+          {bags.length === 0 && (
+            <p class="quiet">
+              No recording in {project.root_name}. Drop a .mcap or .db3 file on <em>Rules</em>, or copy a folder of ros2
+              bag into the project.
+            </p>
+          )}
+          <ul class="files">
+            {bags.map((bag) => (
+              <li key={bag.name}>
+                <span class="file-name">
+                  <Breakable name={bag.name} />
+                  {bag.name.endsWith(".bag") && " (ROS 1)"}
+                </span>
+                <span class="file-notes quiet">
+                  <span>{sizeWords(bag.size_bytes / 1000)}</span>
+                  <time title={moment(1000 * bag.changed_at_s)}>{ago(1000 * bag.changed_at_s, Date.now())}</time>
+                </span>
+                <NeedsServer changes>
+                  <Button
+                    label="New rules from it"
+                    aria-label={`New rules from ${bag.name}`}
+                    onClick={() => toRoute({ ...ALL, name: bag.name })}
+                  />
+                </NeedsServer>
+              </li>
+            ))}
+          </ul>
+        </section>
+        {name !== "" && <RecordingStart {...{ api, project, refresh }} bag={name} onClose={close} />}
+      </main>
+    </>
+  );
+}
