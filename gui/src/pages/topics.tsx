@@ -186,14 +186,13 @@ function PresetDialog({ editor, onClose }: { editor: ProfileEditor; onClose: () 
       <p class="quiet">
         What is in the table stays. The rest is marked <em>not measured</em> until you measure or type it.
       </p>
-      <fieldset class="presets" aria-label="Preset">
+      <fieldset class="checklist" aria-label="Preset">
         {answer.presets.map(({ title, about }, at) => (
           <label key={title}>
+            <input type="radio" name="preset" value={title} defaultChecked={at === 0} autofocus={at === 0} />
             <span>
-              <input type="radio" name="preset" value={title} required defaultChecked={at === 0} autofocus={at === 0} />
-              {title}
+              <strong>{title}</strong>: {about}
             </span>
-            <span class="quiet">{about}</span>
           </label>
         ))}
       </fieldset>
