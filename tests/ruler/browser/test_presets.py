@@ -81,6 +81,7 @@ def _fit_a_thin_link(ruler: RulerPage, me: CountedPage) -> None:
     me.press("Control+a")
     me.type("15000")
     _save_and_go_back(ruler, me)
+    me.click("tab", "Optimize")
     refused = ruler.page.get_by_role("alert").get_by_role("button").first
     me.click("button", str(refused.text_content()))
     me.sees("Everything fits into 15 000 KB/s")
