@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from smarttestudo.domain.errors import ProfileError
+from smarttestudo.ruler.topics.presets import all_presets
 from smarttestudo.ruler.topics.profiles import (
     ProfileRow,
     ProfileTable,
@@ -73,6 +74,30 @@ source_hz = 5
 message_kb = 0.32
 """
     )
+
+
+def test_what_is_not_measured_is_marked_and_a_mark_that_goes_leaves_all_else() -> None:
+    table = read_table(PROFILE, P_TOML)
+    guessed = ProfileTable(
+        rows=(table.rows[0], replace(table.rows[1], measured=False)), budget_kb_per_s=table.budget_kb_per_s
+    )
+    text = write_table(guessed, PROFILE, P_TOML)
+    assert text == PROFILE + "measured = false\n"
+    assert read_table(text, P_TOML) == guessed
+    topics = parse_profile(text, P_TOML).topics
+    assert (topics["/odom"].measured, topics["/scan"].measured) == (True, False)
+    assert write_table(table, text, P_TOML) == PROFILE
+
+
+def test_presets_are_profiles_that_say_where_they_are_from_and_that_nothing_was_measured() -> None:
+    presets = all_presets().presets
+    assert {one.title for one in presets} >= {"TurtleBot3", "IMU", "Lidar"}
+    for one in presets:
+        assert one.about.endswith(".")
+        rows = read_table(one.text, P_TOML).rows
+        assert all(row.type or row.topic == "/cmd_vel" for row in rows)
+        assert all(row.message_kb and row.source_hz and row.tiers_hz for row in rows)
+        assert {row.measured for row in rows} == {False}
 
 
 def test_a_byte_order_mark_stays_in_front() -> None:

@@ -1074,6 +1074,18 @@ export interface PlacedZone {
   is_shared: boolean;
 }
 
+/** A profile, its title, and what it describes with the source of its numbers. */
+export interface Preset {
+  title: string;
+  about: string;
+  text: string;
+}
+
+/** All presets, by title. */
+export interface Presets {
+  presets: Preset[];
+}
+
 /**
  * Why something was refused; `place` and `remedy` may be empty.
  *
@@ -1160,6 +1172,7 @@ export interface ProfileRow {
   tiers_deg_need_hz?: [number, number, number, number, number, number] | null;
   tiers_rad?: [number, number, number, number, number, number] | null;
   tiers_rad_need_hz?: [number, number, number, number, number, number] | null;
+  measured?: boolean | null;
 }
 
 /** The topics of a profile in the order of the text, and its budget in KB/s. */
@@ -2196,6 +2209,7 @@ export interface Routes {
   "POST /api/profile/measure": { asked: MeasureRequest; answered: TextAnswer };
   "POST /api/profile/measure-live": { asked: MeasureLiveRequest; answered: TextAnswer };
   "POST /api/profile/parse": { asked: ProfileParseRequest; answered: ProfileTable };
+  "GET /api/profile/presets": { asked: null; answered: Presets };
   "POST /api/profile/write": { asked: ProfileWriteRequest; answered: TextAnswer };
   "GET /api/project": { asked: null; answered: Project };
   "POST /api/push": { asked: PushRequest; answered: PushAnswer };

@@ -106,6 +106,7 @@ function Measuring({ editor, bags }: { editor: ProfileEditor; bags: string[] }) 
           </NeedsServer>
         </NeedsServer>
       )}
+      {!isRunning && <PresetChoice editor={editor} />}
       <WorkProgress work={work} doing="Measuring" />
     </div>
   );
@@ -158,6 +159,44 @@ function MeasureRobot({ measure }: { measure: (seconds: number) => Promise<void>
         </FormDialog>
       )}
     </>
+  );
+}
+
+/** Fills the table from what is known of usual robots and sensors. */
+function PresetChoice({ editor }: { editor: ProfileEditor }) {
+  const [isAsking, setAsking] = useState(false);
+  return (
+    <NeedsServer>
+      <Button label="From a preset" onClick={() => setAsking(true)} />
+      {isAsking && <PresetDialog editor={editor} onClose={() => setAsking(false)} />}
+    </NeedsServer>
+  );
+}
+
+function PresetDialog({ editor, onClose }: { editor: ProfileEditor; onClose: () => void }) {
+  const { answer, problem } = useAnswer(() => editor.api.ask("GET /api/profile/presets", null));
+  if (answer === null) return <p class={problem ? "problem" : "quiet"}>{problem || "Loading …"}</p>;
+  const fill = async (form: FormData) => {
+    const preset = answer.presets.find(({ title }) => title === form.get("preset"));
+    if (preset) await editor.fill(preset);
+    onClose();
+  };
+  return (
+    <FormDialog title="From a preset" submit="Fill" isWide onSubmit={fill} onClose={onClose}>
+      <p class="quiet">
+        What is in the table stays. The rest is marked <em>not measured</em> until you measure or type it.
+      </p>
+      <fieldset class="checklist" aria-label="Preset">
+        {answer.presets.map(({ title, about }, at) => (
+          <label key={title}>
+            <input type="radio" name="preset" value={title} defaultChecked={at === 0} autofocus={at === 0} />
+            <span>
+              <strong>{title}</strong>: {about}
+            </span>
+          </label>
+        ))}
+      </fieldset>
+    </FormDialog>
   );
 }
 
@@ -324,6 +363,7 @@ function TopicCells({ editor, row, number }: RowProps) {
           onInput={(event) => editor.change(row.key, { topic: event.currentTarget.value })}
           onPaste={(event) => pasteTable(event, editor, row.key)}
         />
+        {row.measured === false && <span class="quiet not-measured">not measured</span>}
       </th>
       {cell("Message size (KB)", row.message_kb, field("message_kb"))}
       {TIERS.map((tier, index) =>

@@ -23,6 +23,7 @@ const SHOWN = 50;
 const OF_TOPIC_PARAMETERS: ReadonlySet<string> = new Set([
   "tier-without-rate",
   "unnamed-in-profile",
+  "not-measured",
   "record-unpublished",
   "no-margin",
   "profile-incomplete",

@@ -17,7 +17,6 @@ import { numberProblem, sentence, typedNumber } from "../ui/numbers";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
 
 const TOOLS: { tool: Tool; label: string }[] = [
-  { tool: "choose", label: "Choose" },
   { tool: "rectangle", label: "Draw a rectangle" },
   { tool: "polygon", label: "Draw a polygon" },
 ];
@@ -87,7 +86,7 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
           class="small"
           aria-pressed={tool.value === each.tool}
           disabled={isBroken}
-          onClick={() => (tool.value = each.tool)}
+          onClick={() => (tool.value = tool.value === each.tool ? "choose" : each.tool)}
         />
       ))}
       <Button

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { computed, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
-import type { ProfileRow, ProfileTable } from "../api/types";
+import type { Preset, ProfileRow, ProfileTable } from "../api/types";
 import type { Drafts } from "./drafts";
 import { OpenFile } from "./open_file";
 import {
@@ -15,6 +15,7 @@ import {
   TIER_COUNT,
   toNumber,
   withPasted,
+  withPreset,
 } from "./topic_rows";
 
 const CHECK_AFTER_MS = 400;
@@ -119,6 +120,16 @@ export class ProfileEditor extends OpenFile {
     await this.replace(await this.contentOf(text));
   }
 
+  /** Fills what nobody has given a number of, and adds topics, from a preset. */
+  async fill({ title, text }: Preset): Promise<void> {
+    const { rows } = await this.api.ask("POST /api/profile/parse", { name: this.name, text });
+    this.remember();
+    const usual = rows.map((row) => this.draftRow(row));
+    // A new file has the preset's comments, which say where its numbers are from.
+    this.put({ rows: withPreset(this.rows.value, usual), baseText: this.typesText || text });
+    this.message.value = `Filled from ${title}: not measured`;
+  }
+
   /** Looks at what may be another by now: the server was gone, and checked nothing. */
   async revive(): Promise<void> {
     await this.lookAtDisk();
@@ -152,7 +163,8 @@ export class ProfileEditor extends OpenFile {
   /** A key stroke in a cell. */
   change(key: number, changes: Partial<DraftRow>): void {
     this.remember(performance.now());
-    this.putRow(key, changes);
+    const isTyped = "message_kb" in changes || "source_hz" in changes;
+    this.putRow(key, isTyped ? { ...changes, measured: null } : changes);
   }
 
   /** Sets the six levels of a row; what goes on, as a drag does, is one step of undo with what went before. */
@@ -223,6 +235,7 @@ export class ProfileEditor extends OpenFile {
       min_hz: shown(row.min_hz),
       max_hz: shown(row.max_hz),
       accuracies: accuraciesOf(row),
+      measured: row.measured ?? null,
     };
   }
 
@@ -267,6 +280,7 @@ function finished(row: DraftRow): ProfileRow {
     priority: toNumber(row.priority),
     min_hz: toNumber(row.min_hz),
     max_hz: toNumber(row.max_hz),
+    measured: row.measured,
     ...row.accuracies,
   };
 }

@@ -10,6 +10,8 @@ export interface DraftRow extends TypedRow {
   key: number;
   type: string | null;
   accuracies: Accuracies;
+  /** False while its size and rate are from a preset. */
+  measured: boolean | null;
 }
 export type NumberField = "message_kb" | "priority" | "source_hz" | "min_hz" | "max_hz";
 
@@ -151,6 +153,18 @@ function withCells<Row extends TypedRow>(row: Row, [topic = "", size = "", ...nu
     priority: numbers[count] ?? row.priority,
     source_hz: numbers[count + 1] ?? row.source_hz,
   };
+}
+
+/** The rows with those of a preset: of topics without a number, in whatever namespace, and of topics that are new. */
+export function withPreset(rows: readonly DraftRow[], preset: readonly DraftRow[]): DraftRow[] {
+  const isOf = (row: DraftRow, { topic }: DraftRow) => row.topic.trim().endsWith(topic);
+  const own = rows
+    .filter((row) => row.topic.trim() !== "" || !isWaiting(row))
+    .map((row) => {
+      const usual = isWaiting(row) ? preset.find((each) => isOf(row, each)) : undefined;
+      return usual === undefined ? row : { ...usual, topic: row.topic, key: row.key };
+    });
+  return [...own, ...preset.filter((each) => !own.some((row) => isOf(row, each)))];
 }
 
 /** Whether nobody has given a number of the topic yet. */

@@ -74,6 +74,7 @@ const PATHS = {
   plus: "M8 3v10M3 8h10",
   minus: "M3 8h10",
   fit: "M9.5 2.5h4v4M13.5 2.5l-4.5 4.5M6.5 13.5h-4v-4M2.5 13.5 7 9",
+  leave: "M13.5 6.5h-4v-4M9 7l4.5-4.5M2.5 9.5h4v4M7 9l-4.5 4.5",
   more: "M3 8h.01M8 8h.01M13 8h.01",
   rules: "M2.5 2.5h7v4h-7zM4.5 6.5v7M4.5 9h9v4.5h-9",
   topics: "M2.5 3.5h11v9h-11zM2.5 6.5h11M6.5 3.5v9",

@@ -3,7 +3,7 @@
 import { signal } from "@preact/signals";
 import { useRef, useState } from "preact/hooks";
 import { browserStorage } from "../state/drafts";
-import { Button } from "./button";
+import { Icon } from "./button";
 
 /** The parts that can have the whole page. */
 type Part = "map" | "results";
@@ -52,14 +52,11 @@ export class FullScreen {
 /** Gives a part of the page all of it, and takes it back. */
 export function FullScreenButton({ full, part }: { full: FullScreen; part: Part }) {
   const isFull = full.part.value === part;
-  const label = isFull ? "Leave full screen" : "Full screen";
+  const label = `${isFull ? "Leave full screen" : "Full screen"}: ${part}`;
   return (
-    <Button
-      label={label}
-      class="small full-screen-button"
-      aria-label={`${label}: ${part}`}
-      onClick={() => full.toggle(part)}
-    />
+    <button type="button" class="small" aria-label={label} title={label} onClick={() => full.toggle(part)}>
+      <Icon name={isFull ? "leave" : "fit"} />
+    </button>
   );
 }
 

@@ -156,6 +156,26 @@ def unnamed_in_profile(rules: RuleModel) -> Iterator[Found]:
         )
 
 
+@lint_rule("not-measured", Severity.INFO, needs_all_statements=True)
+def not_measured(rules: RuleModel) -> Iterator[Found]:
+    """The profile has the size and rate of a relayed topic from a preset.
+
+    Yours may be several times as large or as fast, and then what fits the budget here does not fit your link.
+    The mark is `measured = false` in the topic's table.
+    """
+    profile = rules.context.profile
+    if profile is None:
+        return
+    guessed = [name for name, topic in profile.topics.items() if not topic.measured and name in rules.relayed]
+    if guessed:
+        yield Found(
+            path=profile.path,
+            span=_START,
+            message=f"the profile has {wording.listed(guessed)} from a preset, not measured",
+            hint="measure them: testudo profile --bag or --seconds, or Measure on the Ruler's page",
+        )
+
+
 @lint_rule("absent-from-bag", Severity.INFO)
 def absent_from_bag(rules: RuleModel) -> Iterator[Found]:
     """A rule names a topic that the recording of --bag, or the robot of --connect, does not have.

@@ -116,7 +116,8 @@ class TopicProfile:
     the topic: so many messages pass at 1 Hz, as far as the source has them. ``tiers_hz`` are the six rates
     τ0 … τ5 in Hz, ``min_hz`` the floor of the budget models and ``max_hz`` their ceiling, ``stale_after_s``
     the age in seconds at which values of the topic count as unknown, ``paced_with`` the topic whose passed
-    stamps this one follows, ``accuracies`` the levels of bounds.
+    stamps this one follows, ``accuracies`` the levels of bounds. ``measured`` is false while size and rate
+    are from a preset.
     """
 
     type_name: str | None = None
@@ -131,6 +132,7 @@ class TopicProfile:
     paced_with: str | None = None
     level_unit: LevelUnit | None = None
     accuracies: Mapping[LevelledProperty, AccuracyTiers] = field(default_factory=dict)
+    measured: bool = True
 
     @property
     def kb_per_hz(self) -> float | None:

@@ -15,7 +15,7 @@ from smarttestudo.domain.errors import ProfileError
 from smarttestudo.domain.texts import without_mark
 from smarttestudo.files.toml_text import KeyPath, parse_toml
 
-Value = str | float | Sequence[float] | None
+Value = str | bool | float | Sequence[float] | None
 """The new value of a key; ``None`` takes it out."""
 
 _Body = list[tuple[Key | None, Item]]
@@ -180,9 +180,9 @@ def _item(value: str | float | Sequence[float], trivia: Trivia) -> Item:
     return item
 
 
-def _plain(value: str | float | Sequence[float]) -> str | float | list[float]:
+def _plain(value: str | float | Sequence[float]) -> str | bool | float | list[float]:
     """``value`` as it is written; a whole number without ``.0``."""
-    if isinstance(value, str):
+    if isinstance(value, str | bool):
         return value
     if isinstance(value, int | float):
         return _number(value)

@@ -216,6 +216,11 @@ class _ProfileReader:
             raise self._error(at, f"{self._named(at)} must be a list of names")
         return [read(at, value) for value in values]
 
+    def truth(self, at: KeyPath, value: object) -> bool:
+        if not isinstance(value, bool):
+            raise self._error(at, f"{self._named(at)} must be true or false")
+        return value
+
     def level_unit(self, at: KeyPath, value: object) -> LevelUnit:
         for unit in LevelUnit:
             if unit.value == value:
@@ -298,6 +303,11 @@ _OF_TOPIC: Mapping[str, _Key] = {
         meaning="unit of a battery's level",
         read=_ProfileReader.level_unit,
         schema={"enum": [unit.value for unit in LevelUnit]},
+    ),
+    "measured": _Key(
+        meaning="false while size and rate are from a preset, true if not given",
+        read=_ProfileReader.truth,
+        schema={"type": "boolean"},
     ),
     **{
         name: key

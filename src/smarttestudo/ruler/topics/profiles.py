@@ -55,6 +55,7 @@ class ProfileRow(Struct, frozen=True, kw_only=True):
     tiers_deg_need_hz: SixLevels | None = None
     tiers_rad: SixLevels | None = None
     tiers_rad_need_hz: SixLevels | None = None
+    measured: bool | None = None
 
     def keys(self) -> dict[str, str | float | Sequence[float] | None]:
         """The keys of the topic's table."""
@@ -180,6 +181,8 @@ def six_levels(thresholds: Sequence[float]) -> SixLevels:
 def _row(topic: str, table: Mapping[str, object]) -> ProfileRow:
     values: dict[str, Any] = {key: _number(table.get(key)) for key in _NUMBERS}
     values.update((key, _six(table.get(key))) for key in _SIXES)
+    measured = table.get("measured")
+    values["measured"] = measured if isinstance(measured, bool) else None
     return ProfileRow(topic=topic, type=_text(table.get("type")), **values)
 
 
