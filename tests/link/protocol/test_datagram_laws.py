@@ -11,7 +11,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from link.protocol.lossy_ends import PROFILES, Boot, LossyEnds, Profile, Radio, lossy_ends
@@ -176,7 +176,22 @@ def kept_by(ends: LossyEnds) -> list[object]:
     return kept
 
 
+# One that comes while another is served, which was killed, has some of what that one was sent.
+HEARD_BESIDE = Case(
+    profile=Profile(
+        delay_ms=62, jitter_ms=36, lost_percent=26, mbit_per_s=10, queue_bytes=64_000, reorders=True
+    ),
+    seed=212_962,
+    outages=[(1_250 * MS, 1_750 * MS)],
+    events=[
+        (2_625 * MS, {"what": "operator", "back_ns": 250 * MS, "key_ns": 875 * MS, "is_noticed": False}),
+        (1_750 * MS, {"what": "robot", "key_ns": 1_125 * MS}),
+    ],
+)
+
+
 @settings(max_examples=300)
+@example(HEARD_BESIDE)
 @given(cases)
 def test_each_message_arrives_or_is_counted_over_any_radio(case: Case) -> None:
     require_law(case)

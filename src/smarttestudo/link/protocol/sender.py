@@ -310,10 +310,9 @@ class LinkSender(Generic[_Request]):
     def _serve(self, report: Report, now_ns: int) -> None:
         received = report.received
         must_restart = report.receiver != self._receiver or received.session == 0
-        is_served = report.receiver == self._served_receiver
-        if is_served:
-            self._outbox.fates.settle(received.session, report.ended)
-        if must_restart and is_served:
+        # One that comes may have heard what another was sent.
+        self._outbox.fates.settle(received.session, report.ended)
+        if must_restart and report.receiver == self._served_receiver:
             self._learn_of_cut(received, now_ns)
         is_blocked = self._are_datagrams_blocked(now_ns)
         self._receiver = self._served_receiver = report.receiver
@@ -324,8 +323,6 @@ class LinkSender(Generic[_Request]):
             self._restart(now_ns, after=received.session)
         elif must_restart or self._acknowledge(received, now_ns) or is_blocked or self._is_to_switch(now_ns):
             self._restart(now_ns, is_blocked=is_blocked)
-        if not is_served:
-            self._outbox.fates.settle_all()
         for number, age_ms in report.ages_ms.items():
             info = self._infos.get(number)
             if info is not None:
