@@ -16,6 +16,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
+from smarttestudo.domain.errors import LinkError
 from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.datagrams import Datagrams, Seal
@@ -186,9 +187,49 @@ def test_only_what_has_the_key_of_the_connection_is_delivered_once_and_followed(
     assert sorted(delivered) == [b"%d of the robot" % number for number in range(3)]
 
 
-def _udp() -> socket.socket:
+@pytest.mark.full
+@pytest.mark.parametrize("robot_listens", [False, True])
+def test_where_another_program_has_the_udp_port_the_reliable_link_carries_all(*, robot_listens: bool) -> None:
+    with ExitStack() as opened:
+        # Others reach it, too: so it has datagrams though no port is given for them.
+        endpoint = free_endpoint(host="0.0.0.0")
+        port = int(endpoint.rpartition(":")[2])
+        opened.enter_context(closing(_udp(port)))
+        listening = LinkOptions(listen=(endpoint,), insecure=True)
+        connecting = LinkOptions(connect=(f"tcp/127.0.0.1:{port}",), datagrams_port=_free_udp_port())
+        warnings = list[str]()
+        if robot_listens:
+            robot = opened.enter_context(open_robot_end("r1", listening, warnings.append))
+            operator = opened.enter_context(open_operator_end(connecting, refuse_warning))
+        else:
+            operator = opened.enter_context(open_operator_end(listening, warnings.append))
+            robot = opened.enter_context(open_robot_end("r1", connecting, refuse_warning))
+        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
+        assert not robot.state.by_datagrams
+        assert [text for text in warnings if not text.startswith("--insecure")] == [
+            f"udp 0.0.0.0:{port}: datagrams cannot be sent: Address already in use: what is relayed goes "
+            "over the reliable link; give another port with --datagrams PORT, or --datagrams off"
+        ]
+
+
+@pytest.mark.full
+def test_datagrams_that_are_asked_for_need_their_port() -> None:
+    with closing(_udp()) as holder:
+        port = holder.getsockname()[1]
+        options = LinkOptions(listen=(free_endpoint(),), datagrams_port=port, needs_datagrams=True)
+        ends = (open_operator_end(options, refuse_warning), open_robot_end("r1", options, refuse_warning))
+        for end in ends:
+            with (
+                pytest.raises(LinkError, match=rf"^udp 127.0.0.1:{port}: error: .*in use; give another"),
+                end,
+            ):
+                raise AssertionError
+
+
+def _udp(port: int = 0) -> socket.socket:
     opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    opened.bind(("127.0.0.1", 0))
+    opened.bind(("127.0.0.1", port))
     return opened
 
 

@@ -9,7 +9,7 @@ import socket
 import struct
 import threading
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass
 
 from cryptography.exceptions import InvalidTag
@@ -271,19 +271,22 @@ def _open_socket(towards: str, host: str, port: int, dscp: int) -> socket.socket
         family, _, _, _, address = socket.getaddrinfo(
             towards or None, port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE
         )[0]
-        opened = socket.socket(family, socket.SOCK_DGRAM)
-        opened.settimeout(_RECEIVE_S)
-        for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
-            opened.setsockopt(socket.SOL_SOCKET, option, _BUFFER_BYTES)
-        if family == socket.AF_INET6:
-            opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, dscp << _DSCP_SHIFT)
-        else:
-            opened.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, dscp << _DSCP_SHIFT)
-        opened.bind(address if host else ("::" if family == socket.AF_INET6 else "0.0.0.0", port))  # noqa: S104
+        any_host = "::" if family == socket.AF_INET6 else "0.0.0.0"  # noqa: S104
+        with ExitStack() as on_error:
+            opened = on_error.enter_context(closing(socket.socket(family, socket.SOCK_DGRAM)))
+            opened.settimeout(_RECEIVE_S)
+            for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
+                opened.setsockopt(socket.SOL_SOCKET, option, _BUFFER_BYTES)
+            if family == socket.AF_INET6:
+                opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, dscp << _DSCP_SHIFT)
+            else:
+                opened.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, dscp << _DSCP_SHIFT)
+            opened.bind(address if host else (any_host, port))
+            on_error.pop_all()
+            return opened
     except OSError as error:
         raise LinkError(
             f"datagrams cannot be sent: {error.strerror or error}",
             place=f"udp {host or '*'}:{port}",
             remedy="give another port with --datagrams PORT, or --datagrams off",
         ) from error
-    return opened

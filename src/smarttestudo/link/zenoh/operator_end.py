@@ -117,10 +117,10 @@ class OperatorEnd:
         """Ask robots from now on to send what they relay as datagrams."""
         from smarttestudo.link.zenoh.datagrams import Datagrams  # noqa: PLC0415  needs cryptography
 
-        self._client = QueryClient(self._session)
-        self._datagrams = Datagrams(
+        datagrams = Datagrams(
             options, self._clock, self._on_datagram, lambda _reached: None, self._warn, is_robot=False
         )
+        self._client, self._datagrams = QueryClient(self._session), datagrams
         self._worker.wake()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
