@@ -117,6 +117,8 @@ class SentParts:
         self._given_up: deque[tuple[int, SentMessage]] = deque()
         self._turns: dict[OutgoingStream, _Turns] = {}
         self._received_bytes = 0
+        self._heard_ns = 0
+        """When the other end said last what it has."""
         self._end_bytes = 0
         self.wake_ns: int | None = None
         """When to look for losses though nothing happens; ``None`` while nothing is under way."""
@@ -177,19 +179,22 @@ class SentParts:
         """The messages that were delivered by what the other end has of the session."""
         if received.received_bytes > self._end_bytes:
             return
+        self._heard_ns = now_ns
         found = _taken(self._lost, received)
         arrived = _taken(self._parts, received)
         self._window.found(sum(part.size_bytes for _, part in found))
         self._share.count(now_ns, lost=-len(found))
         newest = None
-        if arrived and arrived[-1][0] > self._received_bytes:
-            newest = arrived[-1][1].sending
+        # Each place was sent once: one that counted as lost tells, too, how long a round trip takes.
+        end_bytes, part = max((*found[-1:], *arrived[-1:]), default=(0, None), key=lambda one: one[0])
+        if part is not None and end_bytes > self._received_bytes:
+            newest = part.sending
             self._trip_ns = now_ns - newest.sent_ns
         self._received_bytes = max(self._received_bytes, received.received_bytes)
         # What was passed by what arrived may be lost.
         self.wake_ns = now_ns
         size_bytes = sum(part.size_bytes for _, part in (*found, *arrived))
-        self._window.arrived(size_bytes, newest, now_ns)
+        self._window.arrived(size_bytes, newest, now_ns, self._behind_since_ns)
         for _, part in (*found, *arrived):
             sent = part.sent
             had_arrived = sent.has_arrived
@@ -215,16 +220,17 @@ class SentParts:
             if self._is_to_repair(part, now_ns):
                 part.sent.missing.append(part.offset)
                 again[part.sent] = None
-        while self._lost and (first := next(iter(self._lost.items())))[1].sent_ns < now_ns - self._gone_ns:
+        gone_ns = self._heard_ns - self._gone_ns
+        while self._lost and (first := next(iter(self._lost.items())))[1].sent_ns < gone_ns:
             del self._lost[first[0]]
-        if self._given_up:
-            due_ns = self._given_up[0][0]
+        if self._given_up and (due_ns := self._given_up[0][0]) > now_ns:
             self.wake_ns = due_ns if self.wake_ns is None else min(self.wake_ns, due_ns)
         return list(again)
 
-    def gone(self, now_ns: int) -> Iterator[SentMessage]:
+    def gone(self) -> Iterator[SentMessage]:
         """The messages that were given up, and can arrive no more."""
-        while self._given_up and self._given_up[0][0] <= now_ns:
+        # In an outage it is not known what arrived before it.
+        while self._given_up and self._given_up[0][0] <= self._heard_ns:
             _, sent = self._given_up.popleft()
             if not sent.is_over:
                 self._end(sent)
@@ -252,6 +258,17 @@ class SentParts:
         for sent in self._open:
             if sent.whole_ns is not None:
                 yield tuple(sent.ends.values()), sent.message
+
+    @property
+    def _behind_since_ns(self) -> int | None:
+        """When the first part was sent of those behind the last that arrived; ``None`` without any."""
+        behind = (
+            part.sent_ns
+            for parts in (self._lost, self._parts)
+            for end_bytes, part in parts.items()
+            if end_bytes > self._received_bytes
+        )
+        return min(behind, default=None)
 
     @property
     def _passed_ns(self) -> int:
