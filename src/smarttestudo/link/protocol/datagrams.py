@@ -16,6 +16,8 @@ KEY_BYTES = 32
 PING_PERIOD_NS = NS_PER_S // 2
 UNHEARD_AFTER_NS = 3 * NS_PER_S
 """A path from which nothing came back for so long carries no datagrams."""
+FORGOTTEN_AFTER_NS = 60 * NS_PER_S
+"""A robot's end forgets who answered nothing for so long; whoever heard nothing asks for another key."""
 WINDOW = 4_096
 """A datagram that comes after so many later ones is refused, as is one that came before."""
 

@@ -19,6 +19,7 @@ from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.datagrams import (
     CONNECTION_BYTES,
+    FORGOTTEN_AFTER_NS,
     KEY_BYTES,
     PING_PERIOD_NS,
     PINGS,
@@ -85,8 +86,9 @@ class Peer:
     candidates: list[Address]
     added_ns: int
     address: Address | None = None
+    heard_ns: int | None = None
+    """When the last datagram came from it, and when it ``answered``; ``None`` before the first."""
     answered_ns: int | None = None
-    """When it answered last; ``None`` before the first time."""
     is_reached: bool = False
 
 
@@ -163,6 +165,11 @@ class Datagrams:
         with self._lock:
             return next((peer for peer in self._peers.values() if peer.name == name), None)
 
+    def is_heard(self, name: str, within_ns: int) -> bool:
+        """Whether a datagram came from a peer lately."""
+        peer = self.peer(name)
+        return peer is not None and peer.heard_ns is not None and self._clock() - peer.heard_ns <= within_ns
+
     def send(self, peer: Peer, data: bytes) -> None:
         """Send it to where the peer was heard; what the system does not take is lost, as on a radio."""
         if peer.address is not None:
@@ -203,6 +210,7 @@ class Datagrams:
                 self.refused += 1
                 continue
             data, is_newest = opened
+            peer.heard_ns = self._clock()
             if is_newest or peer.address is None:
                 # Whoever moves, or whose router gives it another port, is followed.
                 peer.address = address
@@ -235,9 +243,12 @@ class Datagrams:
         for peer in peers:
             for address in self._to_ping(peer):
                 self._send_to(peer, ping, address)
-            since_ns = peer.added_ns if peer.answered_ns is None else peer.answered_ns
-            if now_ns - since_ns > UNHEARD_AFTER_NS:
+            silent_ns = now_ns - (peer.added_ns if peer.answered_ns is None else peer.answered_ns)
+            if silent_ns > UNHEARD_AFTER_NS:
                 self._miss(peer)
+            if self._is_robot and silent_ns > FORGOTTEN_AFTER_NS:
+                # Whoever is there still asks for another key.
+                self.remove(peer.name)
         return PING_PERIOD_NS / NS_PER_S
 
     def _to_ping(self, peer: Peer) -> set[Address]:
