@@ -268,6 +268,23 @@ def test_where_datagrams_are_blocked_while_the_link_goes_on_it_carries_all_withi
     assert ends.operator.arrived["/events"] == numbers(ends.payloads["/events"])
 
 
+def test_where_datagrams_are_not_preferred_they_are_used_while_the_radio_loses_some() -> None:
+    ends = lossy_ends(PROFILES["clean"], SOURCES[:1])
+    ends.sender.prefers_datagrams = False
+    uses = dict[int, bool]()
+
+    def ping(now_ns: int) -> None:
+        second = now_ns // S
+        # Of those of the last minute, two are lost from the 15th to the 75th second.
+        ends.sender.note_pings(now_ns, sent=1, lost=int(second in {12, 15, 18} and now_ns % S == 0))
+        uses[second] = ends.sender.state(now_ns).by_datagrams
+        ends.at(now_ns + S // 2, ping)
+
+    ends.at(S, ping)
+    ends.run(100)
+    assert [second for second, is_by_datagrams in uses.items() if is_by_datagrams] == list(range(15, 76))
+
+
 def test_a_robot_that_loses_the_reliable_link_alone_goes_on_by_datagrams() -> None:
     ends = lossy_ends(PROFILES["wifi-walls"], SOURCES)
     ends.sender.follow(NEEDS)

@@ -92,7 +92,7 @@ def both_ends(
     of_robot, of_operator = (listening, connecting) if robot_listens else (connecting, listening)
     with ExitStack() as opened:
         operator = replace(of_operator, has_datagrams=operator_has)
-        robot = replace(of_robot, has_datagrams=robot_has)
+        robot = replace(of_robot, has_datagrams=robot_has, needs_datagrams=robot_has)
         if robot_listens:
             first = opened.enter_context(open_robot_end("r1", robot, refuse_warning))
             yield first, opened.enter_context(open_operator_end(operator, refuse_warning))

@@ -94,6 +94,20 @@ def test_udp_that_is_blocked_from_the_beginning_is_said_and_used_once_it_passes(
     assert len(robot.times_s("warning")) == 3
 
 
+def test_datagrams_that_are_not_asked_for_are_used_once_the_radio_loses_some() -> None:
+    with thin_link(replace(RADIO, loss=0.0)) as link, ExitStack() as opened:
+        endpoint = f"tcp/{OPERATOR_ADDRESS}:7447"
+        operator = opened.enter_context(end_in(link.operator, "operator", endpoint))
+        robot = opened.enter_context(end_in(link.robot, "auto", endpoint))
+        until(lambda: len(operator.numbers("/odom")) > 150)
+        assert True not in [value for _, what, value in robot.said if what == "by_datagrams"]
+        link.change(replace(RADIO, loss=0.08))
+        until(lambda: bool(robot.newest("by_datagrams")), within_s=60)
+        robot.finish()
+        until(lambda: robot.numbers("offered")[-1] in operator.numbers(EVENTS.topic))
+    require_whole(robot, operator)
+
+
 @pytest.mark.parametrize("host", [OPERATOR_ADDRESS, OPERATOR_ADDRESS_V6])
 def test_a_path_that_takes_1280_bytes_carries_datagrams_whole(host: str) -> None:
     with thin_link(replace(RADIO, mtu_bytes=1_280)) as link, ends_over(link, host) as (robot, operator):

@@ -116,7 +116,7 @@ def test_a_robot_that_loses_the_reliable_link_alone_is_there_by_datagrams_until_
     endpoint = free_endpoint()
     port = int(endpoint.rpartition(":")[2])
     listening = LinkOptions(listen=(endpoint,), datagrams_port=port)
-    connecting = LinkOptions(connect=(endpoint,), datagrams_port=port + 20_000)
+    connecting = LinkOptions(connect=(endpoint,), datagrams_port=port + 20_000, needs_datagrams=True)
     with (
         open_operator_end(listening, refuse_warning) as operator,
         open_robot_end("r1", connecting, refuse_warning) as robot,

@@ -111,8 +111,8 @@ DATAGRAMS = Option(
     flag="--datagrams",
     metavar="PORT|auto|on|off",
     help="send what is relayed as datagrams (UDP) at that port, for radios that lose packets; on: at the "
-    "port of the endpoint, on links to other machines; auto: as on, or over the reliable link where this end "
-    "cannot; both ends need it (default: auto)",
+    "port of the endpoint, on links to other machines; auto: as on, while packets are lost, and not where "
+    "this end cannot; both ends need it (default: auto)",
     read=_datagrams,
     default="auto",
 )

@@ -74,7 +74,7 @@ class _Turns:
 
 
 class LossShare:
-    """Parts that were sent and lost in the last minute."""
+    """Parts, and pings, that were sent and lost in the last minute."""
 
     def __init__(self) -> None:
         self._seconds: deque[list[int]] = deque()
@@ -87,12 +87,19 @@ class LossShare:
         self._seconds[-1][2] += lost
 
     def at(self, now_ns: int) -> float:
-        """The share of parts that were lost, from 0 to 1."""
+        """The share that was lost, from 0 to 1."""
+        sent, lost = self._counts(now_ns)
+        return min(lost / sent, 1.0) if sent else 0.0
+
+    def is_above(self, share: float, now_ns: int) -> bool:
+        """Whether a larger share was lost, and not one alone."""
+        return self._counts(now_ns)[1] > 1 and self.at(now_ns) > share
+
+    def _counts(self, now_ns: int) -> tuple[int, int]:
         while self._seconds and self._seconds[0][0] < now_ns // NS_PER_S - _SHARE_SECONDS:
             self._seconds.popleft()
-        sent = sum(one[1] for one in self._seconds)
         # What was found again may have been lost more than a minute ago.
-        return min(max(sum(one[2] for one in self._seconds), 0) / sent, 1.0) if sent else 0.0
+        return sum(one[1] for one in self._seconds), max(sum(one[2] for one in self._seconds), 0)
 
 
 class SentParts:

@@ -39,8 +39,8 @@ HOLD_NS = 10 * NS_PER_S
 """For so long a session goes on before datagrams are tried again."""
 _FAST_BYTES_PER_S = 5_000_000.0
 """A link that carries so much and loses little is a wire, where large chunks take less CPU."""
-_LOSSY = 0.01
-"""A radio loses a larger share; what a wire loses, its queues overflowed."""
+_LOSSY, _LOSSLESS = 0.01, 0.005
+"""A radio loses a larger share than the first; what a wire loses, its queues overflowed."""
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _Request = TypeVar("_Request")
@@ -79,6 +79,8 @@ class LinkSender(Generic[_Request]):
         self._receiver: int | None = None
         self._is_cut_off = False
         """Whether the receiver that is served has no reliable link, and may be gone."""
+        self.prefers_datagrams = True
+        """Whether datagrams are used where nothing is lost, too, if the link is not fast."""
         self._datagrams_to: frozenset[int] = frozenset()
         """The receivers with which datagrams come through either way."""
         self._served_receiver: int | None = None
@@ -206,6 +208,10 @@ class LinkSender(Generic[_Request]):
     def allow_datagrams(self, receivers: frozenset[int]) -> None:
         """Datagrams come through to these receivers and back."""
         self._datagrams_to = receivers
+
+    def note_pings(self, now_ns: int, *, sent: int, lost: int) -> None:
+        """So many asked whether datagrams come through, of which so many had no answer."""
+        self.scheduler.losses.count(now_ns, sent=sent, lost=lost)
 
     @property
     def receiver(self) -> int | None:
@@ -352,7 +358,9 @@ class LinkSender(Generic[_Request]):
         if self._receiver not in self._datagrams_to or self._receivers.present(now_ns) != {self._receiver}:
             return False
         is_fast = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
-        return not is_fast or self.scheduler.losses.at(now_ns) > _LOSSY
+        if self.prefers_datagrams and not is_fast:
+            return True
+        return self.scheduler.losses.is_above(_LOSSLESS if self.scheduler.is_by_datagrams else _LOSSY, now_ns)
 
     def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
         """Whether what is lost is of this session, and it is not the first second of it."""

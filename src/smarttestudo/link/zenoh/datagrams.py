@@ -8,9 +8,10 @@ import secrets
 import socket
 import struct
 import threading
+from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import ChaCha20Poly1305
@@ -40,6 +41,8 @@ _HEAD = struct.Struct(f">{CONNECTION_BYTES}sQ")
 _NONCE = struct.Struct(">IQ")
 _DSCP_SHIFT = 2
 _RECEIVE_S = 0.5
+_MOST_PINGS = 64
+_MOST_LOST = 2
 
 Address = tuple[str, int] | tuple[str, int, int, int]
 
@@ -89,6 +92,8 @@ class Peer:
     heard_ns: int | None = None
     """When the last datagram came from it, and when it ``answered``; ``None`` before the first."""
     answered_ns: int | None = None
+    pings_ns: deque[int] = field(default_factory=lambda: deque(maxlen=_MOST_PINGS))
+    """When those were sent that have no answer."""
     is_reached: bool = False
 
 
@@ -96,7 +101,8 @@ class Datagrams:
     """The datagrams of one end. A thread receives them; another asks whether they come through.
 
     ``on_data`` is given what peers sent, ``on_reached`` the names of those who answer, each time that this
-    changes; both from these threads. Raises ``LinkError`` where the socket cannot be opened.
+    changes, ``on_pings`` how many asked since the last answer and how many of them were lost; all from these
+    threads. Raises ``LinkError`` where the socket cannot be opened.
     """
 
     def __init__(
@@ -108,12 +114,14 @@ class Datagrams:
         warn: Callable[[str], None],
         *,
         is_robot: bool,
+        on_pings: Callable[[int, int], None] | None = None,
     ) -> None:
         self.refused = 0
         """Datagrams that nobody here has the key for, or that came before."""
         self._clock = clock
         self._on_data = on_data
         self._on_reached = on_reached
+        self._on_pings = on_pings
         self._warn = warn
         self._said_unreached = False
         self._is_robot = is_robot
@@ -228,6 +236,7 @@ class Datagrams:
             self.send(peer, PINGS.to_bytes(Pong(sent_ns=ping.sent_ns)))
             return
         peer.answered_ns = self._clock()
+        self._count(peer, ping.sent_ns)
         if not peer.is_reached:
             peer.is_reached = True
             self._tell()
@@ -235,14 +244,27 @@ class Datagrams:
                 self._said_unreached = False
                 self._warn("datagrams come through again")
 
+    def _count(self, peer: Peer, sent_ns: int) -> None:
+        """Count those asked before the one that was answered; many in a row met an outage."""
+        asked = 0
+        while peer.pings_ns and peer.pings_ns[0] <= sent_ns:
+            peer.pings_ns.popleft()
+            asked += 1
+        lost = asked - 1
+        if self._on_pings is not None and 0 <= lost <= _MOST_LOST:
+            self._on_pings(asked, lost)
+
     def _ping(self) -> float:
         now_ns = self._clock()
         with self._lock:
             peers = list(self._peers.values())
         ping = PINGS.to_bytes(Ping(sent_ns=now_ns))
         for peer in peers:
-            for address in self._to_ping(peer):
+            addresses = self._to_ping(peer)
+            for address in addresses:
                 self._send_to(peer, ping, address)
+            if addresses:
+                peer.pings_ns.append(now_ns)
             silent_ns = now_ns - (peer.added_ns if peer.answered_ns is None else peer.answered_ns)
             if silent_ns > UNHEARD_AFTER_NS:
                 self._miss(peer)

@@ -31,7 +31,7 @@ class LinkOptions:
 
     Unless it ``has_datagrams`` not, these go beside it, at ``datagrams_port`` or the port of the endpoint,
     in the class ``dscp``; between programs of this machine only if that port is given. A link that
-    ``needs_datagrams`` is not opened where there can be none.
+    ``needs_datagrams`` is not opened where there can be none, and uses them though nothing is lost.
     """
 
     listen: tuple[str, ...] = ()
