@@ -17,7 +17,14 @@ from hypothesis import strategies as st
 
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
 from smarttestudo.domain.errors import LinkError
-from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
+from smarttestudo.link.protocol.datagrams import (
+    CONNECTION_BYTES,
+    FORGOTTEN_AFTER_NS,
+    KEY_BYTES,
+    WINDOW,
+    PingLosses,
+    ReplayWindow,
+)
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.datagrams import Datagrams, Seal
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
@@ -67,6 +74,16 @@ def test_each_number_is_taken_once_and_none_that_is_too_old_to_know(numbers: lis
         is_known = number in seen or number <= max(seen, default=0) - WINDOW
         assert window.take(number) is not is_known
         seen.add(number)
+
+
+def test_pings_that_are_lost_count_but_for_those_of_an_outage() -> None:
+    pings, counted = PingLosses(), list[tuple[int, int]]()
+    for at_ns, is_answered in enumerate([True, False, True, False, False, True, *(3 * [False]), True, True]):
+        pings.ask(at_ns)
+        if is_answered:
+            counted.append(pings.answer(at_ns))
+    assert counted == [(1, 0), (2, 1), (3, 2), (0, 0), (1, 0)]
+    assert pings.answer(10) == (0, 0)
 
 
 def test_between_programs_of_one_machine_datagrams_go_only_if_a_port_is_given() -> None:
@@ -225,6 +242,26 @@ def test_datagrams_that_are_asked_for_need_their_port() -> None:
                 end,
             ):
                 raise AssertionError
+
+
+@pytest.mark.full
+def test_a_robots_end_forgets_who_answers_nothing_for_a_minute() -> None:
+    now_ns = 0
+    options = LinkOptions(connect=("tcp/127.0.0.1:1",), datagrams_port=_free_udp_port())
+    ours = Datagrams(
+        options,
+        lambda: now_ns,
+        lambda _peer, _data: None,
+        lambda _reached: None,
+        lambda text: None,
+        is_robot=True,
+    )
+    with closing(ours):
+        ours.offer("operator", 1, _free_udp_port())
+        now_ns = FORGOTTEN_AFTER_NS
+        assert ours.peer("operator") is not None
+        now_ns += 1
+        until(lambda: ours.peer("operator") is None)
 
 
 def _udp(port: int = 0) -> socket.socket:

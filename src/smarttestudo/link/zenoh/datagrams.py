@@ -8,7 +8,6 @@ import secrets
 import socket
 import struct
 import threading
-from collections import deque
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, field
@@ -27,6 +26,7 @@ from smarttestudo.link.protocol.datagrams import (
     UNHEARD_AFTER_NS,
     DatagramOffer,
     Ping,
+    PingLosses,
     Pong,
     ReplayWindow,
 )
@@ -41,8 +41,6 @@ _HEAD = struct.Struct(f">{CONNECTION_BYTES}sQ")
 _NONCE = struct.Struct(">IQ")
 _DSCP_SHIFT = 2
 _RECEIVE_S = 0.5
-_MOST_PINGS = 64
-_MOST_LOST = 2
 
 Address = tuple[str, int] | tuple[str, int, int, int]
 
@@ -92,8 +90,7 @@ class Peer:
     heard_ns: int | None = None
     """When the last datagram came from it, and when it ``answered``; ``None`` before the first."""
     answered_ns: int | None = None
-    pings_ns: deque[int] = field(default_factory=lambda: deque(maxlen=_MOST_PINGS))
-    """When those were sent that have no answer."""
+    pings: PingLosses = field(default_factory=PingLosses)
     is_reached: bool = False
 
 
@@ -236,23 +233,15 @@ class Datagrams:
             self.send(peer, PINGS.to_bytes(Pong(sent_ns=ping.sent_ns)))
             return
         peer.answered_ns = self._clock()
-        self._count(peer, ping.sent_ns)
+        sent, lost = peer.pings.answer(ping.sent_ns)
+        if sent and self._on_pings is not None:
+            self._on_pings(sent, lost)
         if not peer.is_reached:
             peer.is_reached = True
             self._tell()
             if self._said_unreached:
                 self._said_unreached = False
                 self._warn("datagrams come through again")
-
-    def _count(self, peer: Peer, sent_ns: int) -> None:
-        """Count those asked before the one that was answered; many in a row met an outage."""
-        asked = 0
-        while peer.pings_ns and peer.pings_ns[0] <= sent_ns:
-            peer.pings_ns.popleft()
-            asked += 1
-        lost = asked - 1
-        if self._on_pings is not None and 0 <= lost <= _MOST_LOST:
-            self._on_pings(asked, lost)
 
     def _ping(self) -> float:
         now_ns = self._clock()
@@ -264,7 +253,7 @@ class Datagrams:
             for address in addresses:
                 self._send_to(peer, ping, address)
             if addresses:
-                peer.pings_ns.append(now_ns)
+                peer.pings.ask(now_ns)
             silent_ns = now_ns - (peer.added_ns if peer.answered_ns is None else peer.answered_ns)
             if silent_ns > UNHEARD_AFTER_NS:
                 self._miss(peer)
