@@ -20,6 +20,7 @@ from thin_link.roles import ENDPOINT
 
 CONTENDERS: Mapping[str, str] = {
     "testudo": "SmartTestudo",
+    "testudo-datagrams": "SmartTestudo, --datagrams on",
     "zenoh": "plain Zenoh",
     "zenoh-quic": "Zenoh, QUIC datagrams",
     "zenoh-udp": "Zenoh, udp",

@@ -120,7 +120,9 @@ def warn(text: str) -> None:
 def _robot(contender: str, topics: Sequence[Topic], endpoint: str) -> AbstractContextManager[Publishing]:
     match contender:
         case "testudo":
-            return _testudo_robot(topics, endpoint)
+            return _testudo_robot(topics, endpoint, needs_datagrams=False)
+        case "testudo-datagrams":
+            return _testudo_robot(topics, endpoint, needs_datagrams=True)
         case "fastdds":
             return fast_dds_robot(topics)
         case "foxglove":
@@ -135,7 +137,7 @@ def _operator(
     contender: str, note: Note, topics: Sequence[Topic], endpoint: str
 ) -> AbstractContextManager[None]:
     match contender:
-        case "testudo":
+        case "testudo" | "testudo-datagrams":
             return _testudo_operator(note, endpoint)
         case "fastdds":
             return fast_dds_operator(note, topics)
@@ -146,14 +148,15 @@ def _operator(
 
 
 @contextmanager
-def _testudo_robot(topics: Sequence[Topic], endpoint: str) -> Iterator[Publishing]:
+def _testudo_robot(topics: Sequence[Topic], endpoint: str, *, needs_datagrams: bool) -> Iterator[Publishing]:
     from smarttestudo.domain.link import LinkNeeds, StreamInfo  # noqa: PLC0415
     from smarttestudo.domain.robot import Qos  # noqa: PLC0415
     from smarttestudo.link.zenoh import open_robot_end  # noqa: PLC0415  the rival needs none of it
     from smarttestudo.link.zenoh.security import LinkOptions  # noqa: PLC0415
 
     qos = Qos(reliable=False, transient_local=False, depth=5)
-    with open_robot_end("robot", LinkOptions(connect=(endpoint,), insecure=True), warn) as end:
+    options = LinkOptions(connect=(endpoint,), insecure=True, needs_datagrams=needs_datagrams)
+    with open_robot_end("robot", options, warn) as end:
         end.follow(
             {
                 one.name: LinkNeeds(priority=one.priority, floor_hz=one.floor_hz, is_full=one.is_full)

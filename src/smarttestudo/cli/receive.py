@@ -29,13 +29,10 @@ from smarttestudo.domain.units import NS_PER_S, utc_time
 from smarttestudo.link.foxglove import open_foxglove_sink
 from smarttestudo.link.parts.options import (
     DATAGRAM_OPTIONS,
-    DATAGRAMS,
-    DSCP,
     INSECURE,
-    OFF,
     SECURITY_OPTIONS,
     ZENOH_CONFIG,
-    datagrams_port,
+    with_datagrams,
 )
 from smarttestudo.link.protocol.messages import MAX_PREDICTED
 from smarttestudo.link.receive.arrival_log import ArrivalLog
@@ -319,16 +316,14 @@ def _sending(commands: CommandOutbox, pattern: str, receiving: str) -> Iterator[
 def _options(arguments: argparse.Namespace) -> LinkOptions:
     has_endpoint = arguments.listen or arguments.connect
     settings = settings_of(arguments, (*SECURITY_OPTIONS, *DATAGRAM_OPTIONS))
-    return LinkOptions(
+    options = LinkOptions(
         listen=tuple(arguments.listen if has_endpoint else [DEFAULT_LISTEN]),
         connect=tuple(arguments.connect),
         config_file=settings[ZENOH_CONFIG],
         insecure=settings[INSECURE],
         commands=command_topics(arguments.send, "--send"),
-        has_datagrams=settings[DATAGRAMS] != OFF,
-        datagrams_port=datagrams_port(settings),
-        dscp=settings[DSCP],
     )
+    return with_datagrams(options, settings)
 
 
 def _predicted(arguments: argparse.Namespace) -> frozenset[str]:

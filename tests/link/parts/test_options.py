@@ -51,7 +51,7 @@ def test_all_that_is_given_is_what_the_link_is_opened_with() -> None:
         insecure=True,
         commands=("/joy", "/cmd_vel", "/goal"),
         fetch_budget_kb_per_s=0.0,
-        has_datagrams=True,
+        needs_datagrams=True,
         dscp=46,
     )
 
@@ -59,7 +59,7 @@ def test_all_that_is_given_is_what_the_link_is_opened_with() -> None:
 def test_what_is_not_given_has_its_default() -> None:
     assert link_options(given()) is None
     assert link_options(given("--link", "tls/a:1")) == LinkOptions(
-        connect=("tls/a:1",), fetch_budget_kb_per_s=math.inf, has_datagrams=False
+        connect=("tls/a:1",), fetch_budget_kb_per_s=math.inf
     )
     assert robot_name(given())
 

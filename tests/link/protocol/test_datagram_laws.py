@@ -176,6 +176,51 @@ def kept_by(ends: LossyEnds) -> list[object]:
     return kept
 
 
+FOUND = {
+    "one that comes has what another was sent, which was killed": Case(
+        profile=Profile(
+            delay_ms=62, jitter_ms=36, lost_percent=26, mbit_per_s=10, queue_bytes=64_000, reorders=True
+        ),
+        seed=212_962,
+        outages=[(1_250 * MS, 1_750 * MS)],
+        events=[
+            (2_625 * MS, {"what": "operator", "back_ns": 250 * MS, "key_ns": 875 * MS, "is_noticed": False}),
+            (1_750 * MS, {"what": "robot", "key_ns": 1_125 * MS}),
+        ],
+    ),
+    "all is acknowledged after it counted as lost, in a queue of a second": Case(
+        profile=Profile(delay_ms=37, jitter_ms=35, lost_percent=30, mbit_per_s=0.5, queue_bytes=64_000),
+        seed=593,
+        outages=[(375 * MS, 2_500 * MS), (1_250 * MS, 3_750 * MS)],
+    ),
+    "a report comes after both links were cut": Case(
+        profile=Profile(
+            delay_ms=25, jitter_ms=29, lost_percent=27, mbit_per_s=10, queue_bytes=64_000, copied_percent=5
+        ),
+        seed=9_065,
+        outages=[(1_875 * MS, 4_375 * MS), (1_125 * MS, 2_500 * MS)],
+        events=[
+            (375 * MS, {"what": "udp", "has_datagrams": False}),
+            (875 * MS, {"what": "operator", "back_ns": 875 * MS, "key_ns": 500 * MS, "is_noticed": False}),
+            (375 * MS, {"what": "cut", "back_ns": 1_500 * MS}),
+        ],
+    ),
+    "an outage begins before what arrived is reported": Case(
+        profile=Profile(
+            delay_ms=29, jitter_ms=48, lost_percent=0, mbit_per_s=2, queue_bytes=64_000, copied_percent=5
+        ),
+        seed=4_055,
+        outages=[(1_750 * MS, 3_500 * MS)],
+    ),
+}
+"""Radios on which a message was once counted twice, or not at all."""
+
+
+@pytest.mark.parametrize("case", FOUND.values(), ids=FOUND)
+def test_so_it_is_where_it_once_was_not(case: Case) -> None:
+    require_law(case)
+
+
 @settings(max_examples=300)
 @given(cases)
 def test_each_message_arrives_or_is_counted_over_any_radio(case: Case) -> None:
@@ -221,6 +266,23 @@ def test_where_datagrams_are_blocked_while_the_link_goes_on_it_carries_all_withi
     times_ns = [at_ns for at_ns, _ in ends.arrived["/odom"]]
     assert max(after - before for before, after in pairwise(times_ns)) < 2 * S
     assert ends.operator.arrived["/events"] == numbers(ends.payloads["/events"])
+
+
+def test_where_datagrams_are_not_preferred_they_are_used_while_the_radio_loses_some() -> None:
+    ends = lossy_ends(PROFILES["clean"], SOURCES[:1])
+    ends.sender.prefers_datagrams = False
+    uses = dict[int, bool]()
+
+    def ping(now_ns: int) -> None:
+        second = now_ns // S
+        # Of those of the last minute, two are lost from the 15th to the 75th second.
+        ends.sender.note_pings(now_ns, sent=1, lost=int(second in {12, 15, 18} and now_ns % S == 0))
+        uses[second] = ends.sender.state(now_ns).by_datagrams
+        ends.at(now_ns + S // 2, ping)
+
+    ends.at(S, ping)
+    ends.run(100)
+    assert [second for second, is_by_datagrams in uses.items() if is_by_datagrams] == list(range(15, 76))
 
 
 def test_a_robot_that_loses_the_reliable_link_alone_goes_on_by_datagrams() -> None:

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """One end of a link between namespaces, in a process of its own, which prints what it sees as JSON.
 
-usage: python -m link.zenoh.datagram_process robot|operator ENDPOINT
+usage: python -m link.zenoh.datagram_process robot|auto|operator ENDPOINT
+
+``auto`` is a robot that uses datagrams only where packets are lost.
 """
 
 from __future__ import annotations
@@ -134,7 +136,8 @@ def main() -> None:
         finished.set()
 
     threading.Thread(target=wait, daemon=True).start()
-    _run_robot(LinkOptions(connect=(endpoint,), insecure=True), finished)
+    options = LinkOptions(connect=(endpoint,), insecure=True, needs_datagrams=role == "robot")
+    _run_robot(options, finished)
 
 
 if __name__ == "__main__":

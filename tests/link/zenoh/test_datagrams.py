@@ -16,7 +16,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from link.zenoh.ends import MAP, ODOM, Reader, free_endpoint, refuse_warning, until
-from smarttestudo.link.protocol.datagrams import CONNECTION_BYTES, KEY_BYTES, WINDOW, ReplayWindow
+from smarttestudo.domain.errors import LinkError
+from smarttestudo.link.protocol.datagrams import (
+    CONNECTION_BYTES,
+    FORGOTTEN_AFTER_NS,
+    KEY_BYTES,
+    WINDOW,
+    PingLosses,
+    ReplayWindow,
+)
 from smarttestudo.link.zenoh import open_operator_end, open_robot_end
 from smarttestudo.link.zenoh.datagrams import Datagrams, Seal
 from smarttestudo.link.zenoh.operator_end import OperatorEnd
@@ -68,6 +76,16 @@ def test_each_number_is_taken_once_and_none_that_is_too_old_to_know(numbers: lis
         seen.add(number)
 
 
+def test_pings_that_are_lost_count_but_for_those_of_an_outage() -> None:
+    pings, counted = PingLosses(), list[tuple[int, int]]()
+    for at_ns, is_answered in enumerate([True, False, True, False, False, True, *(3 * [False]), True, True]):
+        pings.ask(at_ns)
+        if is_answered:
+            counted.append(pings.answer(at_ns))
+    assert counted == [(1, 0), (2, 1), (3, 2), (0, 0), (1, 0)]
+    assert pings.answer(10) == (0, 0)
+
+
 def test_between_programs_of_one_machine_datagrams_go_only_if_a_port_is_given() -> None:
     here, there = ("tcp/127.0.0.1:7447",), ("tls/192.168.1.5:7447",)
     assert not has_datagrams(LinkOptions(connect=here))
@@ -91,7 +109,7 @@ def both_ends(
     of_robot, of_operator = (listening, connecting) if robot_listens else (connecting, listening)
     with ExitStack() as opened:
         operator = replace(of_operator, has_datagrams=operator_has)
-        robot = replace(of_robot, has_datagrams=robot_has)
+        robot = replace(of_robot, has_datagrams=robot_has, needs_datagrams=robot_has)
         if robot_listens:
             first = opened.enter_context(open_robot_end("r1", robot, refuse_warning))
             yield first, opened.enter_context(open_operator_end(operator, refuse_warning))
@@ -186,9 +204,69 @@ def test_only_what_has_the_key_of_the_connection_is_delivered_once_and_followed(
     assert sorted(delivered) == [b"%d of the robot" % number for number in range(3)]
 
 
-def _udp() -> socket.socket:
+@pytest.mark.full
+@pytest.mark.parametrize("robot_listens", [False, True])
+def test_where_another_program_has_the_udp_port_the_reliable_link_carries_all(*, robot_listens: bool) -> None:
+    with ExitStack() as opened:
+        # Others reach it, too: so it has datagrams though no port is given for them.
+        endpoint = free_endpoint(host="0.0.0.0")
+        port = int(endpoint.rpartition(":")[2])
+        opened.enter_context(closing(_udp(port)))
+        listening = LinkOptions(listen=(endpoint,), insecure=True)
+        connecting = LinkOptions(connect=(f"tcp/127.0.0.1:{port}",), datagrams_port=_free_udp_port())
+        warnings = list[str]()
+        if robot_listens:
+            robot = opened.enter_context(open_robot_end("r1", listening, warnings.append))
+            operator = opened.enter_context(open_operator_end(connecting, refuse_warning))
+        else:
+            operator = opened.enter_context(open_operator_end(listening, warnings.append))
+            robot = opened.enter_context(open_robot_end("r1", connecting, refuse_warning))
+        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        until(lambda: bool(reader.payloads()), lambda: publisher.publish(b"one"))
+        assert not robot.state.by_datagrams
+        assert [text for text in warnings if not text.startswith("--insecure")] == [
+            f"udp 0.0.0.0:{port}: datagrams cannot be sent: Address already in use: what is relayed goes "
+            "over the reliable link; give another port with --datagrams PORT, or --datagrams off"
+        ]
+
+
+@pytest.mark.full
+def test_datagrams_that_are_asked_for_need_their_port() -> None:
+    with closing(_udp()) as holder:
+        port = holder.getsockname()[1]
+        options = LinkOptions(listen=(free_endpoint(),), datagrams_port=port, needs_datagrams=True)
+        ends = (open_operator_end(options, refuse_warning), open_robot_end("r1", options, refuse_warning))
+        for end in ends:
+            with (
+                pytest.raises(LinkError, match=rf"^udp 127.0.0.1:{port}: error: .*in use; give another"),
+                end,
+            ):
+                raise AssertionError
+
+
+@pytest.mark.full
+def test_a_robots_end_forgets_who_answers_nothing_for_a_minute() -> None:
+    now_ns = 0
+    options = LinkOptions(connect=("tcp/127.0.0.1:1",), datagrams_port=_free_udp_port())
+    ours = Datagrams(
+        options,
+        lambda: now_ns,
+        lambda _peer, _data: None,
+        lambda _reached: None,
+        lambda text: None,
+        is_robot=True,
+    )
+    with closing(ours):
+        ours.offer("operator", 1, _free_udp_port())
+        now_ns = FORGOTTEN_AFTER_NS
+        assert ours.peer("operator") is not None
+        now_ns += 1
+        until(lambda: ours.peer("operator") is None)
+
+
+def _udp(port: int = 0) -> socket.socket:
     opened = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-    opened.bind(("127.0.0.1", 0))
+    opened.bind(("127.0.0.1", port))
     return opened
 
 

@@ -59,7 +59,8 @@ def longest_gap_s(operator: End, since_s: float) -> float:
     [
         (False, lambda link: link.move_robot("10.99.0.77/24")),
         (True, lambda link: link.rebind()),
-        (False, lambda link: link.change(replace(RADIO, blocks_udp=True))),
+        # What it loses from then on, TCP sends again, and may take seconds for that.
+        (False, lambda link: link.change(replace(RADIO, loss=0.0, blocks_udp=True))),
     ],
     ids=["the robot's address", "the port of its router", "no UDP any more"],
 )
@@ -91,6 +92,20 @@ def test_udp_that_is_blocked_from_the_beginning_is_said_and_used_once_it_passes(
     require_whole(robot, operator)
     # The first is of --insecure.
     assert len(robot.times_s("warning")) == 3
+
+
+def test_datagrams_that_are_not_asked_for_are_used_once_the_radio_loses_some() -> None:
+    with thin_link(replace(RADIO, loss=0.0)) as link, ExitStack() as opened:
+        endpoint = f"tcp/{OPERATOR_ADDRESS}:7447"
+        operator = opened.enter_context(end_in(link.operator, "operator", endpoint))
+        robot = opened.enter_context(end_in(link.robot, "auto", endpoint))
+        until(lambda: len(operator.numbers("/odom")) > 150)
+        assert True not in [value for _, what, value in robot.said if what == "by_datagrams"]
+        link.change(replace(RADIO, loss=0.08))
+        until(lambda: bool(robot.newest("by_datagrams")), within_s=60)
+        robot.finish()
+        until(lambda: robot.numbers("offered")[-1] in operator.numbers(EVENTS.topic))
+    require_whole(robot, operator)
 
 
 @pytest.mark.parametrize("host", [OPERATOR_ADDRESS, OPERATOR_ADDRESS_V6])

@@ -108,3 +108,26 @@ def test_who_does_not_read_loses_the_oldest_and_holds_up_nobody() -> None:
         numbers = [int.from_bytes(message.payload[:4], "big") for message in waiting[1:]]
         assert numbers[0] > 1
         assert numbers == sorted(numbers)
+
+
+def test_a_robot_that_loses_the_reliable_link_alone_is_there_by_datagrams_until_these_end(
+    network: Network,
+) -> None:
+    endpoint = free_endpoint()
+    port = int(endpoint.rpartition(":")[2])
+    listening = LinkOptions(listen=(endpoint,), datagrams_port=port)
+    connecting = LinkOptions(connect=(endpoint,), datagrams_port=port + 20_000, needs_datagrams=True)
+    with (
+        open_operator_end(listening, refuse_warning) as operator,
+        open_robot_end("r1", connecting, refuse_warning) as robot,
+    ):
+        reader, publisher = Reader(operator), robot.advertise(ODOM)
+        until(lambda: robot.state.by_datagrams, lambda: publisher.publish(b"before"))
+        network.sessions.pop()
+        network.settle()
+        until(lambda: reader.payloads().count(b"cut") >= 10, lambda: publisher.publish(b"cut"))
+        name, boot = robot.boot
+        gone = RobotPresence(robot=name, boot=boot, is_present=False)
+        assert gone not in reader.read()
+        robot.close()
+        until(lambda: gone in reader.read())

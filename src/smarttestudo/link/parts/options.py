@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import platform
 import re
+from dataclasses import replace
 
 from smarttestudo.domain.errors import UsageError
 from smarttestudo.domain.link import command_topics
@@ -29,22 +30,21 @@ def _accepted(value: ParameterValue) -> tuple[str, ...]:
     return command_topics(texts(value), ACCEPT.flag or "")
 
 
-OFF, ON = 0, -1
-"""No port: no datagrams, or those at the port of the endpoint."""
+_OFF, _ON, _AUTO = 0, -1, -2
+"""No port: no datagrams, or those at the port of the endpoint, where that can be or else not at all."""
+_WORDS = {"": _AUTO, "auto": _AUTO, "on": _ON, "off": _OFF}
 _LAST_PORT = 65_535
 _LAST_DSCP = 63
 
 
 def _datagrams(value: ParameterValue) -> int:
-    if value in (OFF, ON):
-        return OFF if value == OFF else ON
+    if isinstance(value, int) and value in _WORDS.values():
+        return int(value)
     text = str(value)
-    if text == "on":
-        return ON
-    if text in ("", "off"):
-        return OFF
+    if text in _WORDS:
+        return _WORDS[text]
     if not (text.isascii() and text.isdecimal() and 0 < int(text) <= _LAST_PORT):
-        raise OptionValueError(f"{text[:80]!r} is not a port from 1 to {_LAST_PORT}, on or off")
+        raise OptionValueError(f"{text[:80]!r} is not a port from 1 to {_LAST_PORT}, auto, on or off")
     return int(text)
 
 
@@ -109,11 +109,12 @@ INSECURE = Option(
 )
 DATAGRAMS = Option(
     flag="--datagrams",
-    metavar="PORT|on|off",
-    help="send what is relayed as datagrams (UDP) at that port, for radios that lose packets; both ends need "
-    "it; on: at the port of the endpoint, on links to other machines (default: off)",
+    metavar="PORT|auto|on|off",
+    help="send what is relayed as datagrams (UDP) at that port, for radios that lose packets; on: at the "
+    "port of the endpoint, on links to other machines; auto: as on, while packets are lost, and not where "
+    "this end cannot; both ends need it (default: auto)",
     read=_datagrams,
-    default="off",
+    default="auto",
 )
 DSCP = Option(
     flag="--dscp",
@@ -142,9 +143,16 @@ def has_link(settings: Settings) -> bool:
     return bool(settings[LINK] or settings[LINK_LISTEN])
 
 
-def datagrams_port(settings: Settings) -> int | None:
-    """The port for datagrams, if one is given."""
-    return settings[DATAGRAMS] if settings[DATAGRAMS] > OFF else None
+def with_datagrams(options: LinkOptions, settings: Settings) -> LinkOptions:
+    """The same link with what is said of its datagrams."""
+    said = settings[DATAGRAMS]
+    return replace(
+        options,
+        has_datagrams=said != _OFF,
+        needs_datagrams=said not in (_OFF, _AUTO),
+        datagrams_port=said if said > _OFF else None,
+        dscp=settings[DSCP],
+    )
 
 
 def robot_name(settings: Settings) -> str:
@@ -160,14 +168,12 @@ def link_options(settings: Settings) -> LinkOptions | None:
                 raise UsageError("it needs a link", place=option.flag, remedy="add --link or --link-listen")
         return None
     budget = settings[FETCH_BUDGET]
-    return LinkOptions(
+    options = LinkOptions(
         listen=settings[LINK_LISTEN],
         connect=settings[LINK],
         config_file=settings[ZENOH_CONFIG],
         insecure=settings[INSECURE],
         commands=settings[ACCEPT],
         fetch_budget_kb_per_s=math.inf if budget is None else budget,
-        has_datagrams=settings[DATAGRAMS] != OFF,
-        datagrams_port=datagrams_port(settings),
-        dscp=settings[DSCP],
     )
+    return with_datagrams(options, settings)

@@ -242,7 +242,12 @@ class ReceivedSessions:
         if chunk.session < self.session:
             return False
         if chunk.session > self.session:
+            comes_late = not self.session and chunk.session_offset > 0
             self._begin(chunk)
+            if comes_late:
+                # Whoever has heard nothing yet lacks what the session had before.
+                self.received_bytes = chunk.session_offset
+                self._lost.append(LostSpan(0, chunk.session_offset))
         while self._ended and chunk.sent_ns - self._ended[0][0] > ENDED_TOLD_NS:
             self._ended.popleft()
         ahead_bytes = (chunk.session_offset - self.received_bytes) % SESSION_OFFSETS
@@ -259,7 +264,7 @@ class ReceivedSessions:
             return None
         if chunk.session > self.session:
             self._begin(chunk)
-            self.received_bytes, self._most_spans = 0, MAX_DATAGRAM_SPANS
+            self._most_spans = MAX_DATAGRAM_SPANS
         ahead_bytes = (chunk.session_offset - self.received_bytes) % SESSION_OFFSETS
         if ahead_bytes >= SESSION_OFFSETS // 2:
             ahead_bytes -= SESSION_OFFSETS
@@ -329,7 +334,5 @@ class ReceivedSessions:
     def _begin(self, chunk: Chunk) -> None:
         if self.session:
             self._ended.append((chunk.sent_ns, self.newest))
-        # Who has heard nothing yet may come in the middle of a session.
-        self.received_bytes = 0 if self.session else chunk.session_offset
-        self.session, self._lost, self._is_cut = chunk.session, [], False
+        self.session, self.received_bytes, self._lost, self._is_cut = chunk.session, 0, [], False
         self._most_spans = MAX_LOST_SPANS

@@ -69,7 +69,7 @@ class DatagramWindow(Window):
         self.free_ns = 0
         """From when on the next datagram may go."""
         self._since_ns: int | None = None
-        """Since when datagrams are under way and none has arrived."""
+        """Since when datagrams are under way and none of them has arrived."""
         self._trips_ns: list[int] = []
         self._means = LeastOfWindow(_TRIPS_WINDOW_NS)
         self._mean_trip_ns: int | None = None
@@ -136,14 +136,19 @@ class DatagramWindow(Window):
             now_ns, self.acknowledged_bytes, self._arrived_ns, self._first_sent_ns, is_limited
         )
 
-    def arrived(self, size_bytes: int, newest: DatagramState | None, now_ns: int) -> None:
-        """Datagrams of so many bytes arrived; ``newest`` is of the one sent last of all, if it is there."""
+    def arrived(
+        self, size_bytes: int, newest: DatagramState | None, now_ns: int, behind_ns: int | None
+    ) -> None:
+        """Datagrams of so many bytes arrived; ``newest`` is of the one sent last of all, if it is there.
+
+        Of those sent after it the first was at ``behind_ns``.
+        """
         self._size_bytes = None
         self.acknowledged_bytes += size_bytes
         if not size_bytes:
             return
         self._acknowledged_ns = now_ns
-        self._since_ns = now_ns if self.in_flight_bytes > 0 else None
+        self._since_ns = behind_ns
         if newest is not None:
             self._take_trip(now_ns - newest.sent_ns, now_ns)
             self._note_trip(now_ns - newest.sent_ns, now_ns)

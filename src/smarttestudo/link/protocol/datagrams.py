@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass
 
 from smarttestudo.domain.units import NS_PER_S
@@ -16,6 +17,11 @@ KEY_BYTES = 32
 PING_PERIOD_NS = NS_PER_S // 2
 UNHEARD_AFTER_NS = 3 * NS_PER_S
 """A path from which nothing came back for so long carries no datagrams."""
+FORGOTTEN_AFTER_NS = 60 * NS_PER_S
+"""A robot's end forgets who answered nothing for so long; whoever heard nothing asks for another key."""
+_MOST_PINGS = 64
+_MOST_LOST = 2
+"""More pings that are lost one after the other met an outage."""
 WINDOW = 4_096
 """A datagram that comes after so many later ones is refused, as is one that came before."""
 
@@ -77,6 +83,26 @@ DATAGRAM_OFFERS: FrameType[DatagramOffer] = FrameType(
     Kind.DATAGRAM_OFFER, DatagramOffer, _check_offer, most_bytes=200
 )
 PINGS: FrameType[Ping | Pong] = FrameType(Kind.PING, Ping | Pong, most_bytes=50)
+
+
+class PingLosses:
+    """The pings to one peer that have no answer, and how many of them are lost."""
+
+    def __init__(self) -> None:
+        self._sent_ns: deque[int] = deque(maxlen=_MOST_PINGS)
+
+    def ask(self, sent_ns: int) -> None:
+        self._sent_ns.append(sent_ns)
+
+    def answer(self, sent_ns: int) -> tuple[int, int]:
+        """How many were sent up to the one that is answered, and how many of them are lost.
+
+        Many in a row met an outage, which is no loss: they are not counted.
+        """
+        asked = sum(one <= sent_ns for one in self._sent_ns)
+        for _ in range(asked):
+            self._sent_ns.popleft()
+        return (asked, asked - 1) if 0 < asked <= _MOST_LOST + 1 else (0, 0)
 
 
 class ReplayWindow:

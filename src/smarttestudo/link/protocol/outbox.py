@@ -233,7 +233,7 @@ class Outbox:
         for sent in parts.lost(now_ns):
             sent.stream.repair(sent)
             self._activate(sent.stream)
-        for sent in parts.gone(now_ns):
+        for sent in parts.gone():
             sent.stream.lose(sent)
             self.fates.give_up(sent.message)
         self._rest_idle()

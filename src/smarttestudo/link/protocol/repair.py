@@ -74,7 +74,7 @@ class _Turns:
 
 
 class LossShare:
-    """Parts that were sent and lost in the last minute."""
+    """Parts, and pings, that were sent and lost in the last minute."""
 
     def __init__(self) -> None:
         self._seconds: deque[list[int]] = deque()
@@ -87,12 +87,19 @@ class LossShare:
         self._seconds[-1][2] += lost
 
     def at(self, now_ns: int) -> float:
-        """The share of parts that were lost, from 0 to 1."""
+        """The share that was lost, from 0 to 1."""
+        sent, lost = self._counts(now_ns)
+        return min(lost / sent, 1.0) if sent else 0.0
+
+    def is_above(self, share: float, now_ns: int) -> bool:
+        """Whether a larger share was lost, and not one alone."""
+        return self._counts(now_ns)[1] > 1 and self.at(now_ns) > share
+
+    def _counts(self, now_ns: int) -> tuple[int, int]:
         while self._seconds and self._seconds[0][0] < now_ns // NS_PER_S - _SHARE_SECONDS:
             self._seconds.popleft()
-        sent = sum(one[1] for one in self._seconds)
         # What was found again may have been lost more than a minute ago.
-        return min(max(sum(one[2] for one in self._seconds), 0) / sent, 1.0) if sent else 0.0
+        return sum(one[1] for one in self._seconds), max(sum(one[2] for one in self._seconds), 0)
 
 
 class SentParts:
@@ -117,6 +124,8 @@ class SentParts:
         self._given_up: deque[tuple[int, SentMessage]] = deque()
         self._turns: dict[OutgoingStream, _Turns] = {}
         self._received_bytes = 0
+        self._heard_ns = 0
+        """When the other end said last what it has."""
         self._end_bytes = 0
         self.wake_ns: int | None = None
         """When to look for losses though nothing happens; ``None`` while nothing is under way."""
@@ -177,19 +186,22 @@ class SentParts:
         """The messages that were delivered by what the other end has of the session."""
         if received.received_bytes > self._end_bytes:
             return
+        self._heard_ns = now_ns
         found = _taken(self._lost, received)
         arrived = _taken(self._parts, received)
         self._window.found(sum(part.size_bytes for _, part in found))
         self._share.count(now_ns, lost=-len(found))
         newest = None
-        if arrived and arrived[-1][0] > self._received_bytes:
-            newest = arrived[-1][1].sending
+        # Each place was sent once: one that counted as lost tells, too, how long a round trip takes.
+        end_bytes, part = max((*found[-1:], *arrived[-1:]), default=(0, None), key=lambda one: one[0])
+        if part is not None and end_bytes > self._received_bytes:
+            newest = part.sending
             self._trip_ns = now_ns - newest.sent_ns
         self._received_bytes = max(self._received_bytes, received.received_bytes)
         # What was passed by what arrived may be lost.
         self.wake_ns = now_ns
         size_bytes = sum(part.size_bytes for _, part in (*found, *arrived))
-        self._window.arrived(size_bytes, newest, now_ns)
+        self._window.arrived(size_bytes, newest, now_ns, self._behind_since_ns)
         for _, part in (*found, *arrived):
             sent = part.sent
             had_arrived = sent.has_arrived
@@ -215,16 +227,17 @@ class SentParts:
             if self._is_to_repair(part, now_ns):
                 part.sent.missing.append(part.offset)
                 again[part.sent] = None
-        while self._lost and (first := next(iter(self._lost.items())))[1].sent_ns < now_ns - self._gone_ns:
+        gone_ns = self._heard_ns - self._gone_ns
+        while self._lost and (first := next(iter(self._lost.items())))[1].sent_ns < gone_ns:
             del self._lost[first[0]]
-        if self._given_up:
-            due_ns = self._given_up[0][0]
+        if self._given_up and (due_ns := self._given_up[0][0]) > now_ns:
             self.wake_ns = due_ns if self.wake_ns is None else min(self.wake_ns, due_ns)
         return list(again)
 
-    def gone(self, now_ns: int) -> Iterator[SentMessage]:
+    def gone(self) -> Iterator[SentMessage]:
         """The messages that were given up, and can arrive no more."""
-        while self._given_up and self._given_up[0][0] <= now_ns:
+        # In an outage it is not known what arrived before it.
+        while self._given_up and self._given_up[0][0] <= self._heard_ns:
             _, sent = self._given_up.popleft()
             if not sent.is_over:
                 self._end(sent)
@@ -252,6 +265,17 @@ class SentParts:
         for sent in self._open:
             if sent.whole_ns is not None:
                 yield tuple(sent.ends.values()), sent.message
+
+    @property
+    def _behind_since_ns(self) -> int | None:
+        """When the first part was sent of those behind the last that arrived; ``None`` without any."""
+        behind = (
+            part.sent_ns
+            for parts in (self._lost, self._parts)
+            for end_bytes, part in parts.items()
+            if end_bytes > self._received_bytes
+        )
+        return min(behind, default=None)
 
     @property
     def _passed_ns(self) -> int:

@@ -120,12 +120,20 @@ class Scheduler(Generic[_Request]):
         self.outbox.open(CONTROL_STREAM)
         self.window: Window | DatagramWindow = Window()
         self.budget = BudgetEstimator()
+        self._trip_ns: int | None = None
+        """The least round trip of earlier sessions."""
         self.requests: Requests[_Request] = Requests(self._live_window, fetch_budget_bytes_per_s)
 
     @property
     def is_by_datagrams(self) -> bool:
         """Whether the session goes by datagrams, of which some may be lost."""
         return isinstance(self.window, DatagramWindow)
+
+    @property
+    def round_trip_ns(self) -> int | None:
+        """The least round trip, of an earlier session until this one has any."""
+        trip_ns = self.window.round_trip_ns
+        return self._trip_ns if trip_ns is None else trip_ns
 
     @property
     def _free_ns(self) -> int:
@@ -231,9 +239,10 @@ class Scheduler(Generic[_Request]):
         """Begin another session: what was under way in the last one is lost, or goes again."""
         ended, self.session = self.session, session
         before, parts = self.window, None
+        self._trip_ns = self.round_trip_ns
         if by_datagrams:
             window = DatagramWindow(before.capacity_bytes_per_s, is_measured=before.is_measured)
-            parts = SentParts(window, self.losses, before.round_trip_ns)
+            parts = SentParts(window, self.losses, self._trip_ns)
             self.window = window
         else:
             self.window = Window(before.capacity_bytes_per_s, is_measured=before.is_measured)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Hashable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Generic, TypeVar
 
 from smarttestudo.domain.link import (
@@ -22,6 +22,7 @@ from smarttestudo.domain.units import BYTES_PER_KB, NS_PER_MS, NS_PER_S
 from smarttestudo.link.protocol.chunks import CONTROL_STREAM, HEADER_BYTES, MAX_STREAMS, Acknowledgement
 from smarttestudo.link.protocol.messages import CONTROL, Announcement, LinkTimes, Report
 from smarttestudo.link.protocol.outgoing_stream import Encode, Encoded, plain
+from smarttestudo.link.protocol.receivers import Receivers
 from smarttestudo.link.protocol.scheduler import STALLED_AFTER_NS, Scheduler
 from smarttestudo.link.protocol.window import ACKNOWLEDGE_PERIOD_NS
 from smarttestudo.pacing.coded_video import VideoReader, is_coded_video
@@ -30,73 +31,19 @@ LOST_AFTER_NS = 3 * NS_PER_S
 """An operator's end that said nothing for so long is no longer there; it says something twice a second."""
 MAX_ENDING = 64
 """How many streams may still have something to send whose publishers are gone."""
-MAX_RECEIVERS = 64
-"""With more, nothing is known of some, so nothing is reckoned."""
-
-_BLOCKED_AFTER_NS = 7 * NS_PER_S // 10
-"""Datagrams of which none arrives for so long, and four round trips, are blocked where reports come."""
+_BLOCKED_AFTER_NS = NS_PER_S // 2
+"""Datagrams of which none arrives for so long, and three round trips, are blocked where reports come."""
+_HEARD_NS = NS_PER_S // 10
+"""Reports come: one did so long, and a round trip, after the first of them was sent, and another later."""
 HOLD_NS = 10 * NS_PER_S
 """For so long a session goes on before datagrams are tried again."""
 _FAST_BYTES_PER_S = 5_000_000.0
 """A link that carries so much and loses little is a wire, where large chunks take less CPU."""
-_LOSSY = 0.01
-"""A radio loses a larger share; what a wire loses, its queues overflowed."""
+_LOSSY, _LOSSLESS = 0.01, 0.005
+"""A radio loses a larger share than the first; what a wire loses, its queues overflowed."""
 _LAST_SESSION = 2**32 - 2**16
 """A session that somebody else claimed is gone beyond only where many can follow."""
 _Request = TypeVar("_Request")
-
-
-@dataclass(slots=True)
-class _Receiver:
-    last_ns: int
-    predicts: frozenset[str]
-
-
-class Receivers:
-    """The operator's ends that reported within ``lost_after_ns``.
-
-    A receiver that never reported what it predicts predicts nothing.
-    """
-
-    def __init__(self, lost_after_ns: int) -> None:
-        self._lost_after_ns = lost_after_ns
-        self._known: dict[int, _Receiver] = {}
-
-    def handle(self, report: Report, now_ns: int) -> bool:
-        """A receiver reported; whether it came while others were there."""
-        known = self._known.get(report.receiver)
-        has_joined = False
-        if known is None:
-            self._forget_lost(now_ns)
-            if len(self._known) > MAX_RECEIVERS:
-                return False
-            has_joined = bool(self._known)
-            known = self._known[report.receiver] = _Receiver(now_ns, frozenset())
-        known.last_ns = now_ns
-        known.predicts = report.predicts or known.predicts
-        return has_joined
-
-    @property
-    def numbers(self) -> frozenset[int]:
-        return frozenset(self._known)
-
-    def present(self, now_ns: int) -> frozenset[int]:
-        self._forget_lost(now_ns)
-        return frozenset(self._known)
-
-    def predicted(self, now_ns: int) -> frozenset[str]:
-        """The topics that all of them reckon: nobody is sent what only another one can make use of."""
-        self._forget_lost(now_ns)
-        if not self._known or len(self._known) > MAX_RECEIVERS:
-            return frozenset()
-        return frozenset.intersection(*(receiver.predicts for receiver in self._known.values()))
-
-    def _forget_lost(self, now_ns: int) -> None:
-        self._known = {
-            number: receiver
-            for number, receiver in self._known.items()
-            if now_ns - receiver.last_ns <= self._lost_after_ns
-        }
 
 
 class LinkSender(Generic[_Request]):
@@ -132,6 +79,8 @@ class LinkSender(Generic[_Request]):
         self._receiver: int | None = None
         self._is_cut_off = False
         """Whether the receiver that is served has no reliable link, and may be gone."""
+        self.prefers_datagrams = True
+        """Whether datagrams are used where nothing is lost, too, if the link is not fast."""
         self._datagrams_to: frozenset[int] = frozenset()
         """The receivers with which datagrams come through either way."""
         self._served_receiver: int | None = None
@@ -252,10 +201,17 @@ class LinkSender(Generic[_Request]):
         """The same by a datagram: it comes from an end that the reliable link has as well, or had."""
         if report.receiver == self._receiver or report.receiver in self._receivers.numbers:
             self._handle_report(report, now_ns)
+        elif report.receiver == self._served_receiver:
+            # It is not served, as its links were cut; what it has is no less true.
+            self._learn_late(report.received, now_ns)
 
     def allow_datagrams(self, receivers: frozenset[int]) -> None:
         """Datagrams come through to these receivers and back."""
         self._datagrams_to = receivers
+
+    def note_pings(self, now_ns: int, *, sent: int, lost: int) -> None:
+        """So many asked whether datagrams come through, of which so many had no answer."""
+        self.scheduler.losses.count(now_ns, sent=sent, lost=lost)
 
     @property
     def receiver(self) -> int | None:
@@ -310,22 +266,21 @@ class LinkSender(Generic[_Request]):
     def _serve(self, report: Report, now_ns: int) -> None:
         received = report.received
         must_restart = report.receiver != self._receiver or received.session == 0
-        is_served = report.receiver == self._served_receiver
-        if is_served:
-            self._outbox.fates.settle(received.session, report.ended)
-        if must_restart and is_served:
+        # One that comes may have heard what another was sent.
+        self._outbox.fates.settle(received.session, report.ended)
+        if must_restart and report.receiver == self._served_receiver:
             self._learn_of_cut(received, now_ns)
-        is_blocked = self._are_datagrams_blocked(now_ns)
         self._receiver = self._served_receiver = report.receiver
-        self._received_ns = now_ns
+        heard_ns, self._received_ns = self._received_ns, now_ns
         self.scheduler.open_until_ns = now_ns + LOST_AFTER_NS
         if self.scheduler.session < received.session < _LAST_SESSION:
             # Somebody else's chunks were taken for ours; ours count again from the next session on.
             self._restart(now_ns, after=received.session)
-        elif must_restart or self._acknowledge(received, now_ns) or is_blocked or self._is_to_switch(now_ns):
-            self._restart(now_ns, is_blocked=is_blocked)
-        if not is_served:
-            self._outbox.fates.settle_all()
+        else:
+            is_lost = not must_restart and self._acknowledge(received, now_ns)
+            is_blocked = self._are_datagrams_blocked(heard_ns, now_ns)
+            if must_restart or is_lost or is_blocked or self._is_to_switch(now_ns):
+                self._restart(now_ns, is_blocked=is_blocked)
         for number, age_ms in report.ages_ms.items():
             info = self._infos.get(number)
             if info is not None:
@@ -359,6 +314,9 @@ class LinkSender(Generic[_Request]):
         """A receiver whose connection was cut is back, and knows what had arrived by then."""
         if self._receiver is None:
             self._outages += now_ns - self._received_ns > self.scheduler.stalled_after_ns
+        self._learn_late(received, now_ns)
+
+    def _learn_late(self, received: Acknowledgement, now_ns: int) -> None:
         is_newest = received.session == self.scheduler.session
         if is_newest and received.received_bytes <= self.scheduler.window.sent_bytes:
             self._outbox.acknowledge(received, now_ns)
@@ -387,20 +345,22 @@ class LinkSender(Generic[_Request]):
             return has_held and not self.scheduler.is_by_datagrams
         return self.scheduler.is_by_datagrams
 
-    def _are_datagrams_blocked(self, now_ns: int) -> bool:
-        """Whether none arrives while reports come: in an outage these would not come either."""
-        since_ns, trip_ns = self.scheduler.window.waiting_since_ns, self.scheduler.window.round_trip_ns
+    def _are_datagrams_blocked(self, heard_ns: int, now_ns: int) -> bool:
+        """Whether none arrives while reports come, the last one then: in an outage these would not come."""
+        since_ns, trip_ns = self.scheduler.window.waiting_since_ns, self.scheduler.round_trip_ns
         if not self.scheduler.is_by_datagrams or since_ns is None or trip_ns is None:
             return False
-        has_gone_on = now_ns - self._received_ns < self.scheduler.stalled_after_ns
-        return has_gone_on and now_ns - since_ns > _BLOCKED_AFTER_NS + 4 * trip_ns
+        has_heard = heard_ns - since_ns > _HEARD_NS + trip_ns and now_ns - heard_ns > _HEARD_NS
+        return has_heard and now_ns - since_ns > _BLOCKED_AFTER_NS + 3 * trip_ns
 
     def _may_use_datagrams(self, now_ns: int) -> bool:
         """Whether the receiver that is served, and no other, is there, and has them come through."""
         if self._receiver not in self._datagrams_to or self._receivers.present(now_ns) != {self._receiver}:
             return False
         is_fast = self.scheduler.window.capacity_bytes_per_s >= _FAST_BYTES_PER_S
-        return not is_fast or self.scheduler.losses.at(now_ns) > _LOSSY
+        if self.prefers_datagrams and not is_fast:
+            return True
+        return self.scheduler.losses.is_above(_LOSSLESS if self.scheduler.is_by_datagrams else _LOSSY, now_ns)
 
     def _may_restart(self, received: Acknowledgement, now_ns: int) -> bool:
         """Whether what is lost is of this session, and it is not the first second of it."""

@@ -53,8 +53,7 @@ def open_robot_end(
     with open_session(options, "peer", warn) as opened:
         end = RobotEnd(opened, robot, warn, clock, options.fetch_budget_kb_per_s)
         try:
-            if may_have_datagrams(options, warn):
-                end.offer_datagrams(options)
+            have_datagrams(options, end.offer_datagrams, warn)
             if not options.commands:
                 yield end
                 return
@@ -91,8 +90,7 @@ def open_operator_end(
         watcher = Worker("link-watch", lambda error: warn(said(error)), watch)
         end = OperatorEnd(session, warn, clock, most_waiting_bytes, predicts, receiver=receiver)
         try:
-            if may_have_datagrams(options, warn):
-                end.take_datagrams(options)
+            have_datagrams(options, end.take_datagrams, warn)
             if options.connect:
                 watcher.start()
             if options.commands:
@@ -152,22 +150,29 @@ def _client(options: LinkOptions, warn: Warn) -> LinkClient | LinkClients:
     )
 
 
-def may_have_datagrams(options: LinkOptions, warn: Warn) -> bool:
-    """Whether datagrams are to go beside a link, and can: ``warn`` is told what is missing.
+def have_datagrams(options: LinkOptions, have: Callable[[LinkOptions], None], warn: Warn) -> None:
+    """Have datagrams beside a link where they are to be; ``warn`` is told why there can be none.
 
-    Raises ``LinkError`` where it is missing for datagrams that were asked for.
+    Raises ``LinkError`` where there can be none beside a link that needs them.
     """
     if not has_datagrams(options):
-        return False
+        return
+    try:
+        _require_cryptography()
+        have(options)
+    except LinkError as error:
+        if options.needs_datagrams:
+            raise
+        cause = f"{error.place}: {error.cause}" if error.place else error.cause
+        warn(f"{cause}: what is relayed goes over the reliable link; {error.remedy}")
+
+
+def _require_cryptography() -> None:
     try:
         import cryptography  # noqa: F401, PLC0415  see above
     except ImportError as error:
         cause = "datagrams need the package cryptography"
-        if options.datagrams_port is not None:
-            raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error
-        warn(f"{cause}: what is relayed goes over the reliable link, as without --datagrams")
-        return False
-    return True
+        raise LinkError(cause, remedy=how_to_install(Extra.LINK)) from error
 
 
 def require_zenoh() -> None:

@@ -9,8 +9,8 @@ import socket
 import struct
 import threading
 from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import dataclass
+from contextlib import ExitStack, closing, suppress
+from dataclasses import dataclass, field
 
 from cryptography.exceptions import InvalidTag
 from cryptography.hazmat.primitives.ciphers.aead import ChaCha20Poly1305
@@ -19,12 +19,14 @@ from smarttestudo.domain.errors import LinkError, said
 from smarttestudo.domain.units import NS_PER_S
 from smarttestudo.link.protocol.datagrams import (
     CONNECTION_BYTES,
+    FORGOTTEN_AFTER_NS,
     KEY_BYTES,
     PING_PERIOD_NS,
     PINGS,
     UNHEARD_AFTER_NS,
     DatagramOffer,
     Ping,
+    PingLosses,
     Pong,
     ReplayWindow,
 )
@@ -85,8 +87,10 @@ class Peer:
     candidates: list[Address]
     added_ns: int
     address: Address | None = None
+    heard_ns: int | None = None
+    """When the last datagram came from it, and when it ``answered``; ``None`` before the first."""
     answered_ns: int | None = None
-    """When it answered last; ``None`` before the first time."""
+    pings: PingLosses = field(default_factory=PingLosses)
     is_reached: bool = False
 
 
@@ -94,7 +98,8 @@ class Datagrams:
     """The datagrams of one end. A thread receives them; another asks whether they come through.
 
     ``on_data`` is given what peers sent, ``on_reached`` the names of those who answer, each time that this
-    changes; both from these threads. Raises ``LinkError`` where the socket cannot be opened.
+    changes, ``on_pings`` how many asked since the last answer and how many of them were lost; all from these
+    threads. Raises ``LinkError`` where the socket cannot be opened.
     """
 
     def __init__(
@@ -106,12 +111,14 @@ class Datagrams:
         warn: Callable[[str], None],
         *,
         is_robot: bool,
+        on_pings: Callable[[int, int], None] | None = None,
     ) -> None:
         self.refused = 0
         """Datagrams that nobody here has the key for, or that came before."""
         self._clock = clock
         self._on_data = on_data
         self._on_reached = on_reached
+        self._on_pings = on_pings
         self._warn = warn
         self._said_unreached = False
         self._is_robot = is_robot
@@ -163,6 +170,11 @@ class Datagrams:
         with self._lock:
             return next((peer for peer in self._peers.values() if peer.name == name), None)
 
+    def is_heard(self, name: str, within_ns: int) -> bool:
+        """Whether a datagram came from a peer lately."""
+        peer = self.peer(name)
+        return peer is not None and peer.heard_ns is not None and self._clock() - peer.heard_ns <= within_ns
+
     def send(self, peer: Peer, data: bytes) -> None:
         """Send it to where the peer was heard; what the system does not take is lost, as on a radio."""
         if peer.address is not None:
@@ -203,6 +215,7 @@ class Datagrams:
                 self.refused += 1
                 continue
             data, is_newest = opened
+            peer.heard_ns = self._clock()
             if is_newest or peer.address is None:
                 # Whoever moves, or whose router gives it another port, is followed.
                 peer.address = address
@@ -220,6 +233,9 @@ class Datagrams:
             self.send(peer, PINGS.to_bytes(Pong(sent_ns=ping.sent_ns)))
             return
         peer.answered_ns = self._clock()
+        sent, lost = peer.pings.answer(ping.sent_ns)
+        if sent and self._on_pings is not None:
+            self._on_pings(sent, lost)
         if not peer.is_reached:
             peer.is_reached = True
             self._tell()
@@ -233,11 +249,17 @@ class Datagrams:
             peers = list(self._peers.values())
         ping = PINGS.to_bytes(Ping(sent_ns=now_ns))
         for peer in peers:
-            for address in self._to_ping(peer):
+            addresses = self._to_ping(peer)
+            for address in addresses:
                 self._send_to(peer, ping, address)
-            since_ns = peer.added_ns if peer.answered_ns is None else peer.answered_ns
-            if now_ns - since_ns > UNHEARD_AFTER_NS:
+            if addresses:
+                peer.pings.ask(now_ns)
+            silent_ns = now_ns - (peer.added_ns if peer.answered_ns is None else peer.answered_ns)
+            if silent_ns > UNHEARD_AFTER_NS:
                 self._miss(peer)
+            if self._is_robot and silent_ns > FORGOTTEN_AFTER_NS:
+                # Whoever is there still asks for another key.
+                self.remove(peer.name)
         return PING_PERIOD_NS / NS_PER_S
 
     def _to_ping(self, peer: Peer) -> set[Address]:
@@ -271,19 +293,22 @@ def _open_socket(towards: str, host: str, port: int, dscp: int) -> socket.socket
         family, _, _, _, address = socket.getaddrinfo(
             towards or None, port, type=socket.SOCK_DGRAM, flags=socket.AI_PASSIVE
         )[0]
-        opened = socket.socket(family, socket.SOCK_DGRAM)
-        opened.settimeout(_RECEIVE_S)
-        for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
-            opened.setsockopt(socket.SOL_SOCKET, option, _BUFFER_BYTES)
-        if family == socket.AF_INET6:
-            opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, dscp << _DSCP_SHIFT)
-        else:
-            opened.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, dscp << _DSCP_SHIFT)
-        opened.bind(address if host else ("::" if family == socket.AF_INET6 else "0.0.0.0", port))  # noqa: S104
+        any_host = "::" if family == socket.AF_INET6 else "0.0.0.0"  # noqa: S104
+        with ExitStack() as on_error:
+            opened = on_error.enter_context(closing(socket.socket(family, socket.SOCK_DGRAM)))
+            opened.settimeout(_RECEIVE_S)
+            for option in (socket.SO_RCVBUF, socket.SO_SNDBUF):
+                opened.setsockopt(socket.SOL_SOCKET, option, _BUFFER_BYTES)
+            if family == socket.AF_INET6:
+                opened.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_TCLASS, dscp << _DSCP_SHIFT)
+            else:
+                opened.setsockopt(socket.IPPROTO_IP, socket.IP_TOS, dscp << _DSCP_SHIFT)
+            opened.bind(address if host else (any_host, port))
+            on_error.pop_all()
+            return opened
     except OSError as error:
         raise LinkError(
             f"datagrams cannot be sent: {error.strerror or error}",
             place=f"udp {host or '*'}:{port}",
             remedy="give another port with --datagrams PORT, or --datagrams off",
         ) from error
-    return opened

@@ -23,6 +23,8 @@ from smarttestudo.link.protocol.datagrams import (
     DATAGRAM_OFFERS,
     DATAGRAM_REQUESTS,
     DATAGRAM_VERSION,
+    FORGOTTEN_AFTER_NS,
+    PING_PERIOD_NS,
     DatagramRequest,
 )
 from smarttestudo.link.protocol.keys import ALL_BOOTS, ALL_DATA, MAX_ROBOTS, Boot, boot_of
@@ -49,6 +51,8 @@ STATUS_STREAM = StreamInfo(
     topic=STATUS_TOPIC, type_name="std_msgs/msg/String", qos=Qos(reliable=True, transient_local=True, depth=1)
 )
 """The stream as which statuses arrive."""
+_LEFT_AFTER_NS = 3 * PING_PERIOD_NS
+"""A robot of which no datagram came for so long is not there by datagrams alone."""
 _LONGEST_AGAIN_NS = 16 * NS_PER_S
 _STATUS_NUMBER = 0
 """No stream of the robot's end has it."""
@@ -61,6 +65,8 @@ class _Robot:
     boot: Boot
     receiver: LinkReceiver
     is_present: bool = True
+    has_token: bool = True
+    """Whether the reliable link says that it is there; one that moves may be there by datagrams alone."""
     reported_ns: int = 0
     """When it was last reported over the reliable link."""
     ask_ns: int = 0
@@ -117,10 +123,10 @@ class OperatorEnd:
         """Ask robots from now on to send what they relay as datagrams."""
         from smarttestudo.link.zenoh.datagrams import Datagrams  # noqa: PLC0415  needs cryptography
 
-        self._client = QueryClient(self._session)
-        self._datagrams = Datagrams(
+        datagrams = Datagrams(
             options, self._clock, self._on_datagram, lambda _reached: None, self._warn, is_robot=False
         )
+        self._client, self._datagrams = QueryClient(self._session), datagrams
         self._worker.wake()
 
     def wait(self, timeout_s: float) -> list[LinkEvent]:
@@ -166,10 +172,9 @@ class OperatorEnd:
             self._arrivals.put(found)
 
     def _ask_for_datagrams(self, robot: _Robot, now_ns: int) -> None:
-        """Ask for a key until a datagram comes, ever later: an older robot's end does not answer."""
+        """Ask for a key while no datagram comes, ever later: an older robot's end does not answer."""
         datagrams, boot = self._datagrams, robot.boot
-        peer = None if datagrams is None else datagrams.peer(boot.key)
-        if datagrams is None or now_ns < robot.ask_ns or (peer is not None and peer.address is not None):
+        if datagrams is None or now_ns < robot.ask_ns or datagrams.is_heard(boot.key, FORGOTTEN_AFTER_NS):
             return
         robot.ask_ns, robot.again_ns = now_ns + robot.again_ns, min(2 * robot.again_ns, _LONGEST_AGAIN_NS)
         request = DatagramRequest(receiver=self._receiver, version=DATAGRAM_VERSION, port=datagrams.port)
@@ -220,27 +225,44 @@ class OperatorEnd:
         boot = boot_of(str(sample.key_expr))
         if boot is None:
             return
-        is_present = sample.kind == zenoh.SampleKind.PUT
+        has_token = sample.kind == zenoh.SampleKind.PUT
         with self._lock:
-            robot = self._robots.get(boot.key)
-            if robot is None and is_present:
-                robot = self._add(boot)
-            elif robot is None or robot.is_present == is_present:
+            known = self._robots.get(boot.key)
+            if has_token == (known is not None and known.has_token):
                 return
-            else:
-                robot.is_present = is_present
-                robot.ask_ns, robot.again_ns = 0, NS_PER_S
-        if robot is None:
-            return
-        self._arrivals.put(RobotPresence(robot=boot.robot, boot=boot.number, is_present=is_present))
-        if is_present:
-            self._say_streams(robot)
-        (self._statuses.add if is_present else self._statuses.remove)(boot)
-        if not is_present:
+            robot = known or self._add(boot)
+            if robot is None:
+                return
+            robot.has_token = has_token
+            robot.ask_ns, robot.again_ns = 0, NS_PER_S
+            is_present = has_token or self._is_heard(robot)
+            is_news = known is None or known.is_present != is_present
+            robot.is_present = is_present
+        if is_news:
+            self._say_presence(robot)
+        (self._statuses.add if has_token else self._statuses.remove)(boot)
+        if not has_token:
             self._has_status.discard(boot)
         self._worker.wake()
-        if is_present:
+        if has_token:
             self._warn_of_namesakes(boot.robot)
+
+    def _say_presence(self, robot: _Robot) -> None:
+        name, boot = robot.boot
+        self._arrivals.put(RobotPresence(robot=name, boot=boot, is_present=robot.is_present))
+        if robot.is_present:
+            self._say_streams(robot)
+
+    def _is_heard(self, robot: _Robot) -> bool:
+        return self._datagrams is not None and self._datagrams.is_heard(robot.boot.key, _LEFT_AFTER_NS)
+
+    def _leave_unheard(self, robot: _Robot) -> None:
+        """Have a robot be gone that the reliable link lost, once its datagrams end as well."""
+        with self._lock:
+            if robot.has_token or not robot.is_present or self._is_heard(robot):
+                return
+            robot.is_present = False
+        self._say_presence(robot)
 
     def _say_streams(self, robot: _Robot) -> None:
         """Say what a robot that is back has: whoever reads may have given it up for another of its name."""
@@ -258,12 +280,14 @@ class OperatorEnd:
                     self._warn(f"{boot.robot} is not received: there are {MAX_ROBOTS} robots already")
                 return None
             del self._robots[gone]
+            if self._datagrams is not None:
+                self._datagrams.remove(gone)
         receiver = LinkReceiver(boot.robot, self._receiver, decompress, self._predicts, boot=boot.number)
         robot = self._robots[boot.key] = _Robot(boot, receiver)
         return robot
 
     def _warn_of_namesakes(self, name: str) -> None:
-        count = sum(robot.boot.robot == name for robot in self._present())
+        count = sum(robot.boot.robot == name and robot.has_token for robot in self._present())
         if count > 1 and name not in self._said_twice:
             self._said_twice.add(name)
             self._warn(f"{count} robots are called {name}: give each a name of its own with --robot")
@@ -278,6 +302,7 @@ class OperatorEnd:
         # Whatever is due before that from here on wakes the thread.
         poll_ns = self._poll_ns = now_ns + KEEP_ALIVE_NS
         for robot in self._present():
+            self._leave_unheard(robot)
             self._ask_for_datagrams(robot, now_ns)
             poll_ns = min(poll_ns, self._report(robot, now_ns))
         self._poll_ns = poll_ns

@@ -124,7 +124,10 @@ class RobotEnd:
         self._bytes.offer(self.boot.incidents_key, IncidentCatalog(folder).open, later)
 
     def offer_datagrams(self, options: LinkOptions) -> None:
-        """Send what is relayed as datagrams from now on, where an operator's end asks for them."""
+        """Send what is relayed as datagrams from now on, where an operator's end asks for them.
+
+        Unless they are needed, that is only where the radio loses some: on others large chunks take less CPU.
+        """
         from smarttestudo.link.zenoh.datagrams import Datagrams  # noqa: PLC0415  needs cryptography
 
         datagrams = self._datagrams = Datagrams(
@@ -134,7 +137,9 @@ class RobotEnd:
             lambda reached: self._do(partial(self._sender.allow_datagrams, frozenset(map(int, reached)))),
             self._warn,
             is_robot=True,
+            on_pings=self._note_pings,
         )
+        self._sender.prefers_datagrams = options.needs_datagrams
 
         def handle(query: Query) -> None:
             request = DATAGRAM_REQUESTS.from_bytes(query.data)
@@ -148,6 +153,9 @@ class RobotEnd:
             query.reply(DATAGRAM_OFFERS.to_bytes(offer))
 
         self._queries.serve(self.boot.datagrams_key, handle)
+
+    def _note_pings(self, sent: int, lost: int) -> None:
+        self._do(lambda: self._sender.note_pings(self._clock(), sent=sent, lost=lost))
 
     def follow(self, needs: Mapping[str, LinkNeeds]) -> None:
         self._do(partial(self._sender.follow, needs))

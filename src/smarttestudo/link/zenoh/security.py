@@ -30,7 +30,8 @@ class LinkOptions:
     and gaps takes at most ``fetch_budget_kb_per_s`` of a robot's end.
 
     Unless it ``has_datagrams`` not, these go beside it, at ``datagrams_port`` or the port of the endpoint,
-    in the class ``dscp``; between programs of this machine only if that port is given.
+    in the class ``dscp``; between programs of this machine only if that port is given. A link that
+    ``needs_datagrams`` is not opened where there can be none, and uses them though nothing is lost.
     """
 
     listen: tuple[str, ...] = ()
@@ -40,6 +41,7 @@ class LinkOptions:
     commands: tuple[str, ...] = ()
     fetch_budget_kb_per_s: float = math.inf
     has_datagrams: bool = True
+    needs_datagrams: bool = False
     datagrams_port: int | None = None
     dscp: int = 0
 
