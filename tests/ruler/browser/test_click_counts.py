@@ -90,7 +90,7 @@ def test_a_file_with_everything_takes_few_clicks_and_keys(ruler: RulerPage, proj
     me.click("button", "Add recording")
     _type_recording(me)
     me.click("treeitem", "Recipes")
-    me.click("option", "rule, Low battery, priority…")
+    me.click("option", "rule, Low battery…")
     _save(ruler, me, project)
     assert me.clicks <= MOST_CLICKS, me.done
     assert me.keys <= MOST_KEYS, me.done
