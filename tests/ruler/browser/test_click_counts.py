@@ -18,7 +18,7 @@ from ruler.browser.ruler_page import RulerPage
 MOST_CLICKS_TO_SENT_RULES = 13
 MOST_CLICKS = 15
 MOST_KEYS = 60
-MOST_KEYS_WITHOUT_A_MOUSE = 130
+MOST_KEYS_WITHOUT_A_MOUSE = 135
 FIVE_DEFAULTS = re.compile(r"begin\n(    SetFrequency \S+ [1-5]\n){5}\n")
 EVERYTHING = (
     FIVE_DEFAULTS,
