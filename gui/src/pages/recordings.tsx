@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
+import { useState } from "preact/hooks";
 import { RecordingStart } from "../panels/project_start";
 import { readRoute, toRoute } from "../route";
 import { Button } from "../ui/button";
@@ -14,9 +15,11 @@ const ALL = { page: "recordings", name: "" } as const;
 /** The recordings of the project; with a name, what to make of that one. */
 export function RecordingsPage({ api, project, refresh, name }: PageProps) {
   const bags = project.files.filter(({ kind }) => kind === "bag").sort((a, b) => b.changed_at_s - a.changed_at_s);
-  // Rules that were made of it are open by then.
+  const [chosen, setChosen] = useState(name);
   const close = () => {
-    if (readRoute().page === "recordings") toRoute(ALL);
+    setChosen("");
+    // Rules that were made of it are open by then.
+    if (name !== "" && readRoute().page === "recordings") toRoute(ALL);
   };
   return (
     <>
@@ -44,14 +47,14 @@ export function RecordingsPage({ api, project, refresh, name }: PageProps) {
                   <Button
                     label="New rules from it"
                     aria-label={`New rules from ${bag.name}`}
-                    onClick={() => toRoute({ ...ALL, name: bag.name })}
+                    onClick={() => setChosen(bag.name)}
                   />
                 </NeedsServer>
               </li>
             ))}
           </ul>
         </section>
-        {name !== "" && <RecordingStart {...{ api, project, refresh }} bag={name} onClose={close} />}
+        {chosen !== "" && <RecordingStart {...{ api, project, refresh }} bag={chosen} onClose={close} />}
       </main>
     </>
   );

@@ -74,7 +74,8 @@ def at_changed_rules(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.button("New rate").click()
     ruler.save()
-    ruler.page.get_by_role("list", name="Findings").get_by_role("listitem").first.get_by_role("button").first.click()
+    found = ruler.page.get_by_role("list", name="Findings").get_by_role("listitem").first
+    found.get_by_role("button").first.click()
 
 
 def at_typed_rules(ruler: RulerPage) -> None:

@@ -62,7 +62,7 @@ def test_a_project_starts_from_a_recipe_and_its_rules_are_in_the_list_of_blocks(
     ruler.page.get_by_role("treeitem", name="Recipes").click()
     listed = ruler.page.get_by_role("listbox", name="Recipes blocks")
     for name in ("Low battery", "Emergency", "Corridor", "Weak link", "LiDAR silent"):
-        expect(listed.get_by_role("option", name=f"rule, {name}, priority")).to_be_attached()
+        expect(listed.get_by_role("option", name=f"rule, {name}, ")).to_be_attached()
 
 
 def _open(ruler: RulerPage, project: Path, name: str, text: str) -> None:

@@ -60,7 +60,7 @@ def test_the_whole_case_needs_few_clicks(ruler: RulerPage, project: Path, tmp_pa
     me.click("button", "Save")
     me.sees("Saved shelf.toml")
     me.click("link", "Back to shelf.adirf")
-    expect(ruler.page.get_by_label("Topic parameters")).to_have_value("shelf.toml")
+    expect(ruler.page.get_by_role("combobox", name="Topic parameters")).to_have_value("shelf.toml")
     me.click("button", "Save")
     me.sees("Saved shelf.adirf")
     with ruler.page.expect_download() as waiting:
@@ -96,7 +96,7 @@ def test_the_whole_case_is_done_with_the_keyboard_alone(
     me.sees("Saved shelf.toml")
     me.walk("Shift+Tab", "Back to shelf.adirf")
     me.press("Enter")
-    expect(ruler.page.get_by_label("Topic parameters")).to_have_value("shelf.toml")
+    expect(ruler.page.get_by_role("combobox", name="Topic parameters")).to_have_value("shelf.toml")
     me.walk("Tab", "Optimize and Download")
     with ruler.page.expect_download() as waiting:
         me.press("Enter")

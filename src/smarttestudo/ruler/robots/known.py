@@ -60,6 +60,8 @@ class KnownRobots:
         rows = [(since_1970_s + one.heard_s, to_json(_kept(one.status))) for one in named]
         fitting = [row for row in rows if len(json.dumps(row)) <= _MAX_STATUS_BYTES]
         path = self._folder.path(_FILE)
+        if not fitting and not path.exists():
+            return
         path.parent.mkdir(parents=True, exist_ok=True)
         # They are of this machine, as the versions of rule files are.
         unshared = path.with_name(".gitignore")
