@@ -79,7 +79,8 @@ export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rat
       style={{ "--share": `${Math.min(100 * share, 100)}%` }}
       onClick={onOpen}
     >
-      {where}: {kilobytes(most.kb_per_s)} of {kilobytes(result.budget_kb_per_s)} KB/s
+      <span class="where">{where}: </span>
+      {kilobytes(most.kb_per_s)} of {kilobytes(result.budget_kb_per_s)} KB/s
     </button>
   );
 }

@@ -63,7 +63,7 @@ def test_a_swipe_over_the_level_lines_scrolls_the_page(phone: RulerPage) -> None
     phone.page.get_by_label("Levels of").wait_for()
     line.scroll_into_view_if_needed()
     # To the middle: there is room on both sides to scroll to.
-    phone.page.evaluate("scrollBy(0, -60)")
+    phone.page.evaluate("document.querySelector('#app').scrollBy(0, -60)")
     before = _top(line)
     _swipe(phone, line, -40, right_px=3)
     expect(line).to_have_attribute("aria-valuenow", "15")

@@ -131,7 +131,8 @@ def test_what_holds_on_the_robot_stands_beside_the_blocks(
     page.change("Edit value: 3", "4")
     assert page.page.evaluate(height) == before
     expect(page.page.get_by_text("The robot has other rules")).to_be_visible()
-    expect(any_badge(page)).to_have_count(0)
+    expect(badge(page, "● differs from the robot")).to_be_visible()
+    expect(any_badge(page)).to_have_count(1)
     page.tool("Undo").click()
     expect(badge(page, "✓ holds")).to_be_visible()
 
