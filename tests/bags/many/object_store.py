@@ -57,6 +57,7 @@ class ObjectStore:
 @contextmanager
 def object_store() -> Iterator[ObjectStore]:
     import boto3  # noqa: PLC0415  only full tests need it
+    from botocore.config import Config  # noqa: PLC0415  only full tests need it
     from moto.moto_server.werkzeug_app import (  # noqa: PLC0415  only full tests need it
         DomainDispatcherApplication,
         create_backend_app,
@@ -70,7 +71,9 @@ def object_store() -> Iterator[ObjectStore]:
     thread.start()
     try:
         store.url = f"http://127.0.0.1:{server.port}"
-        boto3.client("s3", endpoint_url=store.url).create_bucket(Bucket=BUCKET)
+        # The first request has it import most of itself.
+        patient = Config(read_timeout=600)
+        boto3.client("s3", endpoint_url=store.url, config=patient).create_bucket(Bucket=BUCKET)
         yield store
     finally:
         server.shutdown()
