@@ -35,7 +35,7 @@ function AllIncidents({ api, root }: { api: Api; root: string }) {
     <>
       <Header title="Incidents">
         <Button
-          label="Look again"
+          label="Refresh"
           onClick={() => {
             void read();
             void robots.ask();
