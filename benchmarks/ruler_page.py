@@ -34,9 +34,14 @@ Reading = tuple[float, float, int]
 def show_robot(page: Page, url: str) -> None:
     """Open the rules, and the robot with as many updates as there can be."""
     page.goto(url)
+    places = page.get_by_role("navigation", name="Places")
+    places.get_by_role("link", name="Robots").click()
+    page.get_by_role("link", name="/smarttestudo").click()
+    page.get_by_text("Details", exact=True).click()
+    page.get_by_label("Updates (1/s)").select_option("20")
+    places.get_by_role("link", name="Rules").click()
     page.get_by_role("link", name="rules.adirf").click()
     page.get_by_role("tab", name="Robot", exact=True).click()
-    page.get_by_label("Updates (1/s)").select_option("20")
     page.get_by_role("row").nth(TOPIC_COUNT).wait_for()
 
 
