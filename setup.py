@@ -39,9 +39,10 @@ from distutils.command.install_data import install_data  # isort: skip
 ROOT = Path(__file__).resolve().parent
 SHARE = "share/smarttestudo"
 SHARED_FOLDERS = (
-    *("launch", "worlds", "profiles", "examples", "examples/quality"),
+    *("launch", "worlds", "examples", "examples/quality"),
     *("extras", "extras/grafana", "extras/vscode"),
 )
+PRESETS = "src/smarttestudo/rules/presets"
 SETUPTOOLS = int(setuptools.__version__.partition(".")[0])
 FIRST_TO_READ_PYPROJECT = 61
 FIRST_WITH_EXPRESSIONS = 77
@@ -69,6 +70,7 @@ def shared_files() -> list[tuple[str, list[str]]]:
         ("share/ament_index/resource_index/packages", ["resource/smarttestudo"]),
         (SHARE, ["package.xml"]),
         *((f"{SHARE}/{folder}", files_in(folder)) for folder in SHARED_FOLDERS),
+        (f"{SHARE}/profiles", files_in(PRESETS)),
     ]
 
 

@@ -14,7 +14,7 @@ trap 'rm -rf "$folder"' EXIT INT TERM
 # The wheel is for every machine; relays are compiled where it is installed from source.
 export SMARTTESTUDO_WITHOUT_RELAYS=1
 mkdir "$folder/source"
-git ls-files -z | xargs -0 cp --no-dereference --parents --target-directory="$folder/source"
+git ls-files -z | xargs -0 cp --parents --target-directory="$folder/source"
 (cd "$folder/source" && PYTHON=$python "$python" -m build --outdir "$folder/dist" . >"$folder/build.log" 2>&1) || {
     tail -n 20 "$folder/build.log" >&2
     exit 1

@@ -97,7 +97,7 @@ def agrees(shown: str, printed: str) -> bool:
 def test_commands_print_what_the_document_shows(
     document: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    for folder in ("examples", "profiles"):
+    for folder in ("examples", "src/smarttestudo/rules/presets"):
         shutil.copytree(ROOT / folder, tmp_path / folder)
     write_named_files(document, tmp_path)
     for command in commands(document):

@@ -123,7 +123,7 @@ class Reader:
 
 def make_desk(factory: pytest.TempPathFactory, desk: Path) -> None:
     """The files that the pages speak of: those that they show, of the checkout, or of a reader's own."""
-    for name in ("examples", "profiles", "extras"):
+    for name in ("examples", "extras", "src/smarttestudo/rules/presets"):
         shutil.copytree(ROOT / name, desk / name)
     # A file of a later page replaces the one of an earlier page: the access control that of the first link.
     for block in (block for page in PAGES for block in blocks_of(page) if block.title is not None):
@@ -132,7 +132,7 @@ def make_desk(factory: pytest.TempPathFactory, desk: Path) -> None:
     for path in ("rules.adirf", "rules/rules.adirf"):
         (desk / path).write_text(RULES, encoding="utf-8")
     shutil.copy(ROOT / "examples" / "warehouse.adirf", desk)
-    shutil.copy(ROOT / "profiles" / "turtlebot3.toml", desk / "robot.toml")
+    shutil.copy(ROOT / "src/smarttestudo/rules/presets/turtlebot3.toml", desk / "robot.toml")
     demo, _ = made_demo(factory, "--seconds", "20")
     shutil.copytree(demo / "baseline", desk / "yesterday")
     rules = ("--rules", "examples/near_miss.adirf", "--output", "received", "--incidents", "kept")

@@ -53,11 +53,16 @@ def test_ros2_run_finds_an_executable_that_relays_until_a_signal_comes(
 def test_launch_files_worlds_profiles_rules_and_the_service_are_shared(installed: Path) -> None:
     share = installed / "share"
     assert (share / "ament_index" / "resource_index" / "packages" / "smarttestudo").is_file()
-    for folder in ("launch", "worlds", "profiles", "examples", "extras"):
-        source = {path.relative_to(ROOT) for path in (ROOT / folder).rglob("*") if path.is_file()}
-        shared = share / "smarttestudo"
-        assert source
-        assert {path.relative_to(shared) for path in (shared / folder).rglob("*") if path.is_file()} == source
+    sources = {name: ROOT / name for name in ("launch", "worlds", "examples", "extras")}
+    sources["profiles"] = ROOT / "src/smarttestudo/rules/presets"
+    for folder, source in sources.items():
+        shared = share / "smarttestudo" / folder
+        assert files_below(source)
+        assert files_below(shared) == files_below(source)
+
+
+def files_below(folder: Path) -> set[Path]:
+    return {path.relative_to(folder) for path in folder.rglob("*") if path.is_file()}
 
 
 def test_a_build_by_links_holds_the_same_package(installed: Path, linked: Path) -> None:

@@ -21,7 +21,9 @@ from smarttestudo.simulation.warehouse import warehouse
 
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 WORLD = ROOT / "worlds" / "warehouse.sdf"
-REAL, SIMULATED = (ROOT / "profiles" / name for name in ("turtlebot3.toml", "turtlebot3_gazebo.toml"))
+REAL, SIMULATED = (
+    ROOT / "src/smarttestudo/rules/presets" / name for name in ("turtlebot3.toml", "turtlebot3_gazebo.toml")
+)
 RULES = ROOT / "examples" / "warehouse.adirf"
 
 

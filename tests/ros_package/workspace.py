@@ -16,7 +16,6 @@ OF_A_ROS_PACKAGE_FOLDERS = (
     "resource",
     "launch",
     "worlds",
-    "profiles",
     "examples",
     "extras",
     "src",

@@ -86,7 +86,9 @@ def test_what_the_schema_takes_is_read_and_what_it_refuses_is_not(profile: Mappi
         assert cause is not None
 
 
-@pytest.mark.parametrize("path", sorted(ROOT.glob("profiles/*.toml")), ids=lambda path: path.name)
+@pytest.mark.parametrize(
+    "path", sorted(ROOT.glob("src/smarttestudo/rules/presets/*.toml")), ids=lambda path: path.name
+)
 def test_the_profiles_of_the_package_are_as_the_schema_says(path: Path) -> None:
     values, _ = parse_toml(path.read_text(encoding="utf-8"), path)
     assert list(VALIDATOR.iter_errors(values)) == []

@@ -89,7 +89,7 @@ def _of_run(status: RuntimeStatus) -> Iterator[Health]:
 
 
 def _of_topics(topics: Mapping[str, TopicStatus]) -> Iterator[Health]:
-    """What is wrong with topics, each with all that have it; an error where none has anything else."""
+    """The faults of topics, each with all that have it; an error where none has anything else."""
     having: dict[tuple[DiagnosticLevel, str, str], list[str]] = {}
     for name, topic in topics.items():
         health = topic_health(topic)

@@ -91,7 +91,7 @@ def latest(robots: Iterable[HeardStatus]) -> list[HeardStatus]:
 
 
 def _kept(status: RuntimeStatus) -> RuntimeStatus:
-    """What stays true of a robot that is silent: its names, its rules and its budget."""
+    """The part of a status that stays true of a silent robot: its names, its rules and its budget."""
     nothing: Mapping[str, object] = {}
     return replace(
         status, topics={}, blocks=(), link=None, accepted=(), incidents=None, notices=(), sections=nothing
