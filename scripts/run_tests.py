@@ -24,6 +24,7 @@ LIVE = (
     "tests/ros",
     "tests/ruler/browser/test_robot.py",
     "tests/link/zenoh/test_datagrams_between_networks.py",
+    "tests/test_radio_link.py",
 )
 """They are on a ROS graph or a radio, and wait more than they work."""
 PROCESSES = ("tests/ros", "tests/ruler/browser")

@@ -56,6 +56,7 @@ def over_a_link(conditions: PathConditions, load: float) -> tuple[list[int], lis
 
 
 @pytest.mark.calm
+@pytest.mark.calm
 @pytest.mark.parametrize(
     ("name", "load"),
     [
