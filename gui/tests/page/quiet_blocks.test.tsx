@@ -92,7 +92,8 @@ test("a selected block stands out from every ground, and the text goes to its ru
   const lines = () => [...document.querySelectorAll(".cm-line.spot")].map((each) => each.textContent?.trim());
   await expect.poll(lines).toContain('Rule "Aisle 8"');
   const line = page.getByCss(".cm-line.spot").first();
-  expect((await boxOf(line)).bottom).toBeLessThan((await boxOf(page.getByRole("tab", { name: /^Findings/ }))).top);
+  const bottom = (await boxOf(page.getByRole("tab", { name: /^Findings/ }))).top;
+  await expect.poll(async () => (await boxOf(line)).bottom).toBeLessThan(bottom);
 });
 
 test("a check that is added at the edge of the canvas comes into view, and stays there in a smaller one", async () => {
