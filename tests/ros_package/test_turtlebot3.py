@@ -21,9 +21,8 @@ from smarttestudo.simulation.warehouse import warehouse
 
 LAUNCH_FILES = sorted((ROOT / "launch").glob("*.launch.py"))
 WORLD = ROOT / "worlds" / "warehouse.sdf"
-REAL, SIMULATED = (
-    ROOT / "src/smarttestudo/rules/presets" / name for name in ("turtlebot3.toml", "turtlebot3_gazebo.toml")
-)
+PRESETS = ROOT / "src/smarttestudo/rules/presets"
+REAL, SIMULATED = (PRESETS / name for name in ("turtlebot3.toml", "turtlebot3_gazebo.toml"))
 RULES = ROOT / "examples" / "warehouse.adirf"
 
 
