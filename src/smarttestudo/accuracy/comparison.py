@@ -15,7 +15,7 @@ from typing import Annotated
 from smarttestudo.accuracy.arms import PacedPicture, Receiver, picture_errors, rate_of_bytes
 from smarttestudo.accuracy.bounds import bounds_of
 from smarttestudo.accuracy.recorded_samples import RecordedSamples, SampleTaker, TopicReading, read_samples
-from smarttestudo.accuracy.samples import IMAGE_TYPES, TopicSamples
+from smarttestudo.accuracy.samples import TopicSamples
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.bags.type_definitions import rules_for
 from smarttestudo.domain.profile import Profile
@@ -24,6 +24,7 @@ from smarttestudo.domain.recording import Channel, RecordingReader, first_of_top
 from smarttestudo.language.properties import accuracy_properties_of, properties_for_bounds
 from smarttestudo.language.rule_set import RuleSet
 from smarttestudo.pacing.bound import BoundRecord
+from smarttestudo.pacing.coded_video import IMAGE_TYPES
 from smarttestudo.replays.replay import ReplayRequest, replay_together
 
 

@@ -20,7 +20,7 @@ from smarttestudo.accuracy.loss_report import (
     TopicLoss,
 )
 from smarttestudo.accuracy.reconstruction import field_error
-from smarttestudo.accuracy.samples import IMAGE_TYPES, Field, Series, TopicSamples
+from smarttestudo.accuracy.samples import Field, Series, TopicSamples
 from smarttestudo.domain.names import is_source
 from smarttestudo.domain.signal import ArrivalProperty, Signal, SignalKind
 from smarttestudo.domain.units import NS_PER_S
@@ -31,6 +31,7 @@ from smarttestudo.language.region import Region
 from smarttestudo.language.rule_set import RuleSet, WrittenCheck
 from smarttestudo.language.syntax import Operator
 from smarttestudo.language.text_region import SetOfValues
+from smarttestudo.pacing.coded_video import IMAGE_TYPES
 
 _PERCENTILE = 0.95
 

@@ -29,6 +29,7 @@ from smarttestudo.language.properties import (
 from smarttestudo.language.properties.field_path import MOST, PropertySpec
 from smarttestudo.language.rule_set import WrittenCheck
 from smarttestudo.pacing.cdr import STREAM_TYPES
+from smarttestudo.pacing.coded_video import IMAGE_TYPES
 from smarttestudo.pacing.reckoning.gauges import Gauge, Reading
 from smarttestudo.pacing.sample import Pass, Sample, StreamKind
 from smarttestudo.pacing.topic_pacer import TopicPacer
@@ -225,7 +226,6 @@ def turn(before: float, after: float) -> float:
 MOST_FIELDS = 12
 """Fields of one topic that are looked at unasked, of a type without named properties."""
 
-IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 BULK_TYPES = IMAGE_TYPES | {"sensor_msgs/msg/PointCloud2", "nav_msgs/msg/OccupancyGrid"}
 """Types whose numbers are not in their scalar fields: not decoded unless a field is asked for."""
 

@@ -17,12 +17,12 @@ from smarttestudo.domain.rate import Rate
 from smarttestudo.domain.signal import Signal
 from smarttestudo.language.parser.cursor import did_you_mean, edit_distance
 from smarttestudo.language.resolved_rules import ResolvedRate
+from smarttestudo.pacing.coded_video import IMAGE_TYPES
 
 MAX_COMPARED = 256
 """Letters of a topic whose name is compared with others."""
 _START = Span(line=1, column=1, end_line=1, end_column=1)
 _CAMERA_INFO = "/camera_info"
-_IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
 
 
 @lint_rule("unknown-property", Severity.WARNING)
@@ -103,7 +103,7 @@ def _is_image_of(info: str, topic: str, rules: RuleModel) -> bool:
     if not topic.startswith(f"{camera}/") or topic == info:
         return False
     name = topic.removeprefix(f"{camera}/")
-    return rules.context.type_of(topic) in _IMAGE_TYPES or name.startswith("image")
+    return rules.context.type_of(topic) in IMAGE_TYPES or name.startswith("image")
 
 
 def _first_difference(info: str, images: list[str], rules: RuleModel) -> Iterator[Found]:

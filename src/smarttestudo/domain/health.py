@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from smarttestudo.domain.robot import DiagnosticLevel
 from smarttestudo.domain.signal import Truth
 from smarttestudo.domain.status import Fallback, RuntimeStatus, Silence, TopicStatus
+from smarttestudo.domain.texts import first_names
 from smarttestudo.domain.units import counted, duration_text
 
 OLD_MS = 1000.0
@@ -32,7 +33,6 @@ _FALLBACK = {
 }
 _MEND = "mend the rule files, or push rules"
 _NAMED = 3
-_SEVERITY = (DiagnosticLevel.ERROR, DiagnosticLevel.WARN)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,7 +64,7 @@ def robot_problems(status: RuntimeStatus, silent_s: float | None = None) -> list
         remedy = "check that testudo run is running, and the network or radio"
         return [Health(DiagnosticLevel.ERROR, f"silent for {duration_text(silent_s)}", remedy)]
     found = [*_of_run(status), *_of_topics(status.topics), *_of_rules(status)]
-    return sorted(found, key=lambda one: _SEVERITY.index(one.level))
+    return sorted(found, key=lambda one: one.level, reverse=True)
 
 
 def _of_run(status: RuntimeStatus) -> Iterator[Health]:
@@ -99,7 +99,8 @@ def _of_topics(topics: Mapping[str, TopicStatus]) -> Iterator[Health]:
             having.setdefault((health.level, health.summary, remedy), []).append(name)
     wanted = sum(topic.silence is not Silence.OFF for topic in topics.values())
     for (level, summary, remedy), names in having.items():
-        details = f"{_listed(names)}; {remedy}" if remedy else _listed(names)
+        listed = first_names(names, _NAMED)
+        details = f"{listed}; {remedy}" if remedy else listed
         yield Health(_of_some(level, is_all=len(names) == wanted), summary, details)
 
 
@@ -148,9 +149,3 @@ def _details(topic: TopicStatus, incompatible: str) -> str:
     if topic.silence is Silence.CANNOT_RELAY:
         return topic.problem or ""
     return incompatible if topic.silence is Silence.INCOMPATIBLE_QOS else ""
-
-
-def _listed(names: Iterable[str]) -> str:
-    first = list(names)
-    more = len(first) - _NAMED
-    return ", ".join(first[:_NAMED]) + (f" and {more} more" if more > 0 else "")

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from unicodedata import category
 
 BYTE_ORDER_MARK = "\ufeff"
@@ -22,6 +22,12 @@ def in_utf_8(text: str) -> str:
 
 
 _SHORT = {"\t": r"\t", "\n": r"\n", "\r": r"\r"}
+
+
+def first_names(names: Sequence[str], most: int) -> str:
+    """``a, b``, or ``a, b, c and 7 more``."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
 
 
 def visible(text: str) -> str:

@@ -50,6 +50,8 @@ _FIELDS: Mapping[str, str] = MappingProxyType(
 says that it is a key frame, and d, the bitstream."""
 _CODERS: Mapping[str, str] = MappingProxyType({"theora_image_transport/Packet": "theora"})
 _IMAGES = "sensor_msgs/CompressedImage"
+IMAGE_TYPES = frozenset({"sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"})
+"""The types whose messages are one image each, as far as they are no coded video."""
 _IMAGE_BEGINNINGS = (b"\xff\xd8\xff", b"\x89PNG", b"RIFF", b"II*\0", b"MM\0*")
 """Of JPEG, PNG, WebP and TIFF, whatever the format says."""
 

@@ -13,6 +13,7 @@ from itertools import islice
 from smarttestudo.domain.errors import RosError
 from smarttestudo.domain.rate_meter import Flow, FlowMeter
 from smarttestudo.domain.robot import Payload, Qos, Robot, Subscription, is_visible
+from smarttestudo.domain.texts import first_names
 from smarttestudo.domain.units import NS_PER_S, grouped
 from smarttestudo.language.properties import part_reader, properties_of, value_reader
 from smarttestudo.robot.source import LiveSource, live_source, suits
@@ -262,5 +263,4 @@ def _remedy(topic: str, names: Sequence[str]) -> str:
     ]
     if near:
         return f"did you mean {' or '.join(list(dict.fromkeys(near))[:_MOST_SUGGESTIONS])}?"
-    more = f" and {len(names) - _MOST_SUGGESTIONS} more" if len(names) > _MOST_SUGGESTIONS else ""
-    return f"there are {', '.join(names[:_MOST_SUGGESTIONS])}{more}"
+    return f"there are {first_names(names, _MOST_SUGGESTIONS)}"

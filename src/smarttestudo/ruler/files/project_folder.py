@@ -156,6 +156,16 @@ class ProjectFolder:
             raise ForbiddenPathError("this leads out of the project folder", place=name)
         return path
 
+    def make_unshared(self, name: str) -> None:
+        """Make a folder whose content is of this machine, as what an editor keeps for undo, and not in git.
+
+        Raises ``OSError``, and ``ForbiddenPathError`` outside.
+        """
+        self.path(name).mkdir(parents=True, exist_ok=True)
+        unshared = self.path(f"{name}/.gitignore")
+        if not unshared.exists():
+            unshared.write_text("*\n", "utf-8")
+
     def bag(self, name: str) -> Path:
         """The path of the bag ``name``, of which no link leads out of the project."""
         from smarttestudo.bags.bag_files import find_bag_files  # noqa: PLC0415  --help works without packages

@@ -138,12 +138,9 @@ class VersionStore:
         return self._folder.path(f"{VERSIONS_FOLDER}/{name}")
 
     def _prepare(self, place: Path) -> None:
-        unshared = self._folder.path(f"{VERSIONS_FOLDER}/.gitignore")
         try:
+            self._folder.make_unshared(VERSIONS_FOLDER)
             place.mkdir(parents=True, exist_ok=True)
-            # They are of this machine, as what an editor keeps for undo is.
-            if not unshared.exists():
-                unshared.write_text("*\n", "utf-8")
         except OSError as error:
             raise not_written(place, "the version", error) from error
 

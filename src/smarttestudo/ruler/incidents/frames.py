@@ -15,23 +15,18 @@ from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
 from smarttestudo.domain.errors import RecordingError
 from smarttestudo.domain.recording import Channel
-from smarttestudo.pacing.coded_video import is_coded_video
+from smarttestudo.pacing.coded_video import IMAGE_TYPES, is_coded_video
 from smarttestudo.ruler.files.project_folder import ProjectFolder
-from smarttestudo.ruler.incidents.stored import stored_incident
+from smarttestudo.ruler.incidents.incidents import stored_incident
 from smarttestudo.ruler.job import Picture, PictureType, job
 
 MAX_FRAME_BYTES = 16_000_000
 _MOST_PIXELS_A_SIDE = 960
 _MOST_DIGITS = 9
-_COMPRESSED, _RAW = "sensor_msgs/msg/CompressedImage", "sensor_msgs/msg/Image"
+_RAW = "sensor_msgs/msg/Image"
 _BEGINNINGS: Mapping[bytes, PictureType] = {b"\xff\xd8\xff": "image/jpeg", b"\x89PNG\r\n\x1a\n": "image/png"}
 _MODES = {"rgb8": ("RGB", "RGB", 3), "bgr8": ("RGB", "BGR", 3), "mono8": ("L", "L", 1)}
 _LOOK_ELSEWHERE = "download the incident, and look at it in Foxglove or rqt"
-
-
-def has_frames(type_name: str) -> bool:
-    """Whether messages of a type are pictures, also coded video, which is not shown."""
-    return type_name in (_COMPRESSED, _RAW) or is_coded_video(type_name)
 
 
 @job("GET /api/incident/frame")
@@ -54,7 +49,7 @@ def frame(name: str, topic: str, number: str, folder: ProjectFolder) -> Picture:
 
 def _picture(channel: Channel, payload: bytes) -> Picture:
     topic, type_name = channel.topic, channel.type_name
-    if type_name not in (_COMPRESSED, _RAW):
+    if type_name not in IMAGE_TYPES:
         kind = f"coded video ({type_name})" if is_coded_video(type_name) else f"no picture, but {type_name}"
         raise RecordingError(f"this is {kind}", place=topic, remedy=_LOOK_ELSEWHERE)
     if len(payload) > MAX_FRAME_BYTES:

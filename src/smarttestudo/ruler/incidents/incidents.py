@@ -22,12 +22,11 @@ from smarttestudo.domain.names import is_source
 from smarttestudo.domain.recording import Channel, RecordingReader
 from smarttestudo.domain.units import NS_PER_S, counted
 from smarttestudo.files.zip_stream import zip_pieces
-from smarttestudo.incidents.store import StoredIncident
+from smarttestudo.incidents.store import IncidentStore, StoredIncident
 from smarttestudo.language.properties import property_spec
-from smarttestudo.ruler.files.project_folder import FileKind, ProjectFolder
+from smarttestudo.pacing.coded_video import IMAGE_TYPES, is_coded_video
+from smarttestudo.ruler.files.project_folder import FileKind, MissingFileError, ProjectFolder
 from smarttestudo.ruler.files.recordings import READING
-from smarttestudo.ruler.incidents.frames import has_frames
-from smarttestudo.ruler.incidents.stored import incident_store
 from smarttestudo.ruler.job import Download, Permission, Report, job
 
 MAX_INCIDENTS = 500
@@ -91,7 +90,7 @@ def incidents(folder: ProjectFolder) -> IncidentsAnswer:
 @job("POST /api/incident", reads=True)
 def incident(request: OneIncidentRequest, folder: ProjectFolder, permission: Permission) -> IncidentAnswer:
     """One incident, which somebody who may delete it has read now."""
-    store, last = incident_store(folder, request.name)
+    store, last = _store(folder, request.name)
     answer = _answer(folder, request.name, store.incident(last))
     if permission is Permission.CHANGE:
         store.mark_read(last)
@@ -101,7 +100,7 @@ def incident(request: OneIncidentRequest, folder: ProjectFolder, permission: Per
 @job("POST /api/incident/delete")
 def delete(request: OneIncidentRequest, folder: ProjectFolder) -> IncidentsAnswer:
     """Delete one; what is left. Raises ``RecordingError`` where its folder holds something else, too."""
-    store, last = incident_store(folder, request.name)
+    store, last = _store(folder, request.name)
     store.delete(last)
     return incidents(folder)
 
@@ -109,7 +108,7 @@ def delete(request: OneIncidentRequest, folder: ProjectFolder) -> IncidentsAnswe
 @job("GET /api/incident/zip")
 def zipped(name: str, folder: ProjectFolder) -> Download:
     """All files of an incident."""
-    store, last = incident_store(folder, name)
+    store, last = _store(folder, name)
     return Download(name=last, pieces=zip_pieces(store.files(last), last))
 
 
@@ -117,7 +116,7 @@ def _listed(folder: ProjectFolder, names: list[str]) -> Iterator[ListedIncident]
     for name in names:
         size_bytes = 0
         try:
-            store, last = incident_store(folder, name)
+            store, last = _store(folder, name)
             size_bytes = store.size_bytes(last)
             stored = store.incident(last)
         except TestudoError as error:
@@ -125,6 +124,24 @@ def _listed(folder: ProjectFolder, names: list[str]) -> Iterator[ListedIncident]
             yield ListedIncident(name=name, size_bytes=size_bytes, problem=problem, incident=None)
         else:
             yield ListedIncident(name=name, size_bytes=size_bytes, problem="", incident=stored.listed())
+
+
+def stored_incident(folder: ProjectFolder, name: str) -> StoredIncident:
+    """The incident. Raises ``TestudoError`` where it is none, or cannot be read."""
+    store, last = _store(folder, name)
+    return store.incident(last)
+
+
+def _store(folder: ProjectFolder, name: str) -> tuple[IncidentStore, str]:
+    """The store of an incident by its name in the project, and its name there.
+
+    Raises ``MissingFileError`` where there is none.
+    """
+    path = folder.path(name)
+    # A link is a record that cannot be read, not a folder without one.
+    if not (path / RECORD_NAME).is_symlink() and not (path / RECORD_NAME).exists():
+        raise MissingFileError("there is no such incident in the project", place=name)
+    return IncidentStore(path.parent), path.name
 
 
 def _answer(folder: ProjectFolder, name: str, stored: StoredIncident) -> IncidentAnswer:
@@ -219,8 +236,7 @@ class IncidentCourse(Struct, frozen=True, kw_only=True):
 @job("POST /api/incident/course", reads=True, limit=READING)
 def incident_course(request: IncidentCourseRequest, project: ProjectFolder, report: Report) -> IncidentCourse:
     """Read the messages of an incident; ``RecordingError`` where record or recording cannot be read."""
-    store, last = incident_store(project, request.name)
-    store.incident(last)
+    stored_incident(project, request.name)
     folder = project.bag(request.name)
     record = read_record(folder)
     with open_recording(folder) as recording:
@@ -245,7 +261,10 @@ class _Reading:
     def __init__(self, record: IncidentRecord, recording: RecordingReader) -> None:
         self._record = record
         self._frames: dict[str, list[float | None]] = {
-            channel.topic: [] for channel in recording.channels if has_frames(channel.type_name)
+            channel.topic: []
+            for channel in recording.channels
+            # Coded video is listed, though it is not shown.
+            if channel.type_name in IMAGE_TYPES or is_coded_video(channel.type_name)
         }
         self._outside = 0
         self._unknown: Counter[str] = Counter()

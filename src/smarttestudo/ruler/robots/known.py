@@ -62,11 +62,7 @@ class KnownRobots:
         path = self._folder.path(_FILE)
         if not fitting and not path.exists():
             return
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # They are of this machine, as the versions of rule files are.
-        unshared = path.with_name(".gitignore")
-        if not unshared.exists():
-            unshared.write_text("*\n", "utf-8")
+        self._folder.make_unshared(KNOWN_FOLDER)
         with whole_file(path, "the robots that were heard") as write:
             write(f"{json.dumps(fitting)}\n")
 

@@ -102,18 +102,11 @@ class Live:
     full_names: Mapping[str, str]
 
 
-_WORST_FIRST = (DiagnosticLevel.ERROR, DiagnosticLevel.STALE, DiagnosticLevel.WARN, DiagnosticLevel.OK)
-
-
 def robot_summaries(robots: Iterable[SeenRobot], now_s: float) -> tuple[RobotSummary, ...]:
     """A line for each robot: the worst first, the longest silent before all, then by name."""
-
-    def order(seen: SeenRobot) -> tuple[int, float, str]:
-        silent_s = seen.silent_s(now_s)
-        level = robot_health(seen.status, silent_s).level
-        return _WORST_FIRST.index(level), -(silent_s or 0.0), seen.status.robot_id
-
-    return tuple(_robot(one, now_s) for one in sorted(robots, key=order))
+    known = [(one, robot_health(one.status, one.silent_s(now_s))) for one in robots]
+    known.sort(key=lambda of: (-of[1].level, -(of[0].silent_s(now_s) or 0.0), of[0].status.robot_id))
+    return tuple(_robot(one, health, now_s) for one, health in known)
 
 
 def live_model(seen: SeenRobot) -> Live:
@@ -143,9 +136,8 @@ def _words(health: Health) -> HealthWords:
     return HealthWords(level=_LEVELS[health.level], summary=health.summary, message=health.message)
 
 
-def _robot(seen: SeenRobot, now_s: float) -> RobotSummary:
+def _robot(seen: SeenRobot, health: Health, now_s: float) -> RobotSummary:
     status = seen.status
-    health = robot_health(status, seen.silent_s(now_s))
     return RobotSummary(
         node=status.robot_id,
         label=robot_label(status),
