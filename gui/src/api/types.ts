@@ -807,8 +807,9 @@ export interface LevelsRequest {
  * whether its connection was cut or it was started anew. Where it goes `by_datagrams`, `lost_percent` of
  * them were lost in the last minute. `sessions` counts how often an operator's end
  * joined that may lack what was sent before. All operator's ends that are there reckon the topics in
- * `predicted` where they are told how; `operators` are their numbers. `sent_bytes` were put on the
- * link since the start; for `silent_s` nothing of them is known to have arrived at an operator's end.
+ * `predicted` where they are told how; `operators` are their numbers. Since the start
+ * `sent_bytes` were put on the link, and `report_bytes` came back that say what arrived; for
+ * `silent_s` nothing of them is known to have arrived at an operator's end.
  */
 export interface LinkState {
   connected: boolean;
@@ -817,6 +818,8 @@ export interface LinkState {
   outages: number;
   datagrams: boolean;
   lost_percent: number | null;
+  sent_bytes: number;
+  report_bytes: number;
 }
 
 /**
@@ -1832,6 +1835,8 @@ export interface TopicOnLink {
   repaired: number;
   lost_replaced: number;
   lost_late: number;
+  sent_bytes: number;
+  repair_bytes: number;
   age_ms: number | null;
 }
 

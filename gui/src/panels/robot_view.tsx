@@ -7,7 +7,7 @@ import type { HealthLevel, HealthWords, Live, RobotEvent, RobotHistoryAnswer, To
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
 import { type RateRing, RING_LENGTH, type RobotLink, UPDATE_RATES_HZ } from "../state/robot_link";
-import { duration, linkWords } from "../state/robot_trouble";
+import { duration, hourly, linkWords } from "../state/robot_trouble";
 import { Choice } from "../ui/choice";
 import { ColumnHeads } from "../ui/data_table";
 import { useAnswer } from "../ui/later";
@@ -27,7 +27,7 @@ export function RobotTopics({ link, live: { status, health, bounds } }: { link: 
               link={link}
               topic={name}
               cells={cellsOf(topic, health[name], bounds[name] ?? [])}
-              linkCells={status.link ? linkCellsOf(topic) : null}
+              linkCells={status.link ? linkCellsOf(topic, status.uptime_s) : null}
             />
           ))}
         </tbody>
@@ -52,13 +52,15 @@ function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: re
 }
 
 const RATE_COLUMNS = ["Topic", "Source (Hz)", "Target (Hz)", "Actual (Hz)", "Actual, last 48 s", "Sent (KB/s)"];
-const LINK_COLUMNS = ["Age (ms)", "Replaced", "Queue (KB)"];
+const LINK_COLUMNS = ["Age (ms)", "Replaced", "Repaired", "Lost", "Queue (KB)", "MB/h"];
 
-/** What the row of a topic says in the columns of a link. */
-function linkCellsOf({ link }: TopicStatus): string {
-  if (link === undefined) return "–\n–\n–";
+/** What the row of a topic says in the columns of a link, on which it was for so long. */
+function linkCellsOf({ link }: TopicStatus, uptimeS: number): string {
+  if (link === undefined) return LINK_COLUMNS.map(() => "–").join("\n");
   const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
-  return [age, readable(link.replaced), readable(link.queued_bytes / 1000)].join("\n");
+  const lost = link.lost_replaced + link.lost_late;
+  const counts = [link.replaced, link.repaired, lost, link.queued_bytes / 1000].map(readable);
+  return [age, ...counts, hourly(link.sent_bytes, uptimeS)].join("\n");
 }
 
 const LOOKS: Record<HealthLevel, string> = { ok: "silent", stale: "silent", warn: "trouble", error: "failing" };
@@ -133,6 +135,12 @@ export function RobotTotals({ live: { status, accepted, recording } }: { live: L
         />
       ))}
       {status.link && <Figure name="Link" value={linkWords(status.link)} />}
+      {status.link && (
+        <Figure
+          name="Over the link"
+          value={`${hourly(status.link.sent_bytes + status.link.report_bytes, status.uptime_s)} MB/h`}
+        />
+      )}
       {Object.entries(status.accepted ?? {}).map(([topic, { problem }], place) => (
         <Figure key={topic} name={`Accepts ${topic}`} value={accepted[place] ?? ""} isTroubled={problem !== null} />
       ))}

@@ -38,6 +38,11 @@ export function duration(seconds: number): string {
   return `${Math.floor(seconds / unitS)} ${unit}`;
 }
 
+/** How many MB an hour go over a link where it was so many bytes in so many seconds; `–` while nobody can say. */
+export function hourly(sizeBytes: number, seconds: number): string {
+  return sizeBytes === 0 || seconds < 10 ? "–" : readable((sizeBytes / 1e6) * (3600 / seconds));
+}
+
 /** How a link does, in a few words. */
 export function linkWords(link: LinkState): string {
   if (!link.connected) return "no operator connected";

@@ -19,7 +19,7 @@ from smarttestudo.cli.terminal import is_unicode
 from smarttestudo.domain.decision import Reason, bound_texts
 from smarttestudo.domain.health import LOST_BEFORE_RELAY, Health, robot_problems, topic_health
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link import LinkState
+from smarttestudo.domain.link import StreamCounts
 from smarttestudo.domain.robot import DiagnosticLevel
 from smarttestudo.domain.status import RulesInForce, RuntimeStatus, Silence, TopicStatus
 from smarttestudo.domain.texts import visible
@@ -161,13 +161,14 @@ def _link(status: RuntimeStatus) -> str:
     budget_kb_per_s = status.budget_kb_per_s
     if budget_kb_per_s is None:
         limit = "no budget" if status.link is None else "not limited"
-        return f"{text}, {limit}{_capacity(status.link)}"
+        return f"{text}, {limit}{_capacity(status)}"
     share = f" ({100 * status.out_kb_per_s / budget_kb_per_s:.0f} %)" if budget_kb_per_s else ""
-    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{_capacity(status.link)}"
+    return f"{text} of {format_number(budget_kb_per_s, 1)}{share}{_capacity(status)}"
 
 
-def _capacity(link: LinkState | None) -> str:
+def _capacity(status: RuntimeStatus) -> str:
     """How the link to the operator does, if there is one."""
+    link = status.link
     if link is None or not link.is_connected:
         return ""
     capacity = (
@@ -175,7 +176,9 @@ def _capacity(link: LinkState | None) -> str:
     )
     trip = "" if link.round_trip_ms is None else f", round trip {link.round_trip_ms:.0f} ms"
     lost = "" if link.lost_percent is None else f", datagrams: {link.lost_percent:.1f} % lost"
-    return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}{lost}"
+    mb_an_hour = status.mb_an_hour(link.sent_bytes + link.report_bytes)
+    hourly = "" if mb_an_hour is None else f", {grouped(mb_an_hour, 1)} MB/h"
+    return f"   link: {capacity}{trip}, {counted(link.outages, 'outage')}{lost}{hourly}"
 
 
 def _recording(state: IncidentState) -> Line:
@@ -206,11 +209,26 @@ def _columns(status: RuntimeStatus, *, is_wide: bool) -> Iterator[Column[tuple[s
     yield Column("Out", "KB/s", lambda row: row[1].out_kb_per_s, decimals(1))
     if status.link is not None:
         yield Column("Age", "ms", lambda row: row[1].on_link.age_ms if row[1].on_link else None, WHOLE)
+    if status.link is not None and is_wide:
+        yield from _link_columns(status)
     if is_wide:
         yield Column("Rule", "", lambda row: _rule(row[1]), is_text=True)
         yield Column("State", "", lambda row: _state(row[1]), is_text=True)
     else:
         yield Column("Rule, or state", "", lambda row: _problem(row[1]) or _rule(row[1]), is_text=True)
+
+
+def _link_columns(status: RuntimeStatus) -> Iterator[Column[tuple[str, TopicStatus]]]:
+    """What each topic takes of the link, and what became of what the radio lost."""
+
+    def counts(row: tuple[str, TopicStatus]) -> StreamCounts:
+        return StreamCounts() if row[1].on_link is None else row[1].on_link.counts
+
+    yield Column("Link", "MB/h", lambda row: status.mb_an_hour(counts(row).sent_bytes), decimals(1))
+    all_counts = [counts(row) for row in status.topics.items()]
+    if any(one.repaired or one.lost for one in all_counts):
+        yield Column("Repaired", "", lambda row: counts(row).repaired, WHOLE)
+        yield Column("Lost", "", lambda row: counts(row).lost, WHOLE)
 
 
 def _name(row: tuple[str, TopicStatus]) -> str:

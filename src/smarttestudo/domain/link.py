@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Annotated, Protocol
 
@@ -28,6 +28,8 @@ class StreamCounts:
 
     Of those that went as datagrams, ``repaired`` ones arrived because lost parts of them were sent again.
     Others were lost: of ``lost_replaced`` a newer one was sent or had arrived, ``lost_late`` were too late.
+    ``sent_bytes`` were put on the link for the topic, compressed and with headers; ``repair_bytes`` of these
+    were parts that were sent again.
     """
 
     sent: Annotated[
@@ -85,18 +87,40 @@ class StreamCounts:
             MetricKind.COUNTER,
         ),
     ] = 0
+    sent_bytes: Annotated[
+        Count,
+        Metered(
+            "topic_link_sent", "bytes", "Bytes that were put on the link for the topic.", MetricKind.COUNTER
+        ),
+    ] = 0
+    repair_bytes: Annotated[
+        Count,
+        Metered(
+            "topic_link_repair",
+            "bytes",
+            "Of the bytes on the link, those of parts that were sent again.",
+            MetricKind.COUNTER,
+        ),
+    ] = 0
+
+    @property
+    def lost(self) -> int:
+        """Messages that the radio lost, and that did not arrive."""
+        return self.lost_replaced + self.lost_late
 
     def __add__(self, other: StreamCounts) -> StreamCounts:
-        return StreamCounts(
-            sent=self.sent + other.sent,
-            replaced=self.replaced + other.replaced,
-            overflowed=self.overflowed + other.overflowed,
-            queued_bytes=self.queued_bytes + other.queued_bytes,
-            is_losing=self.is_losing or other.is_losing,
-            repaired=self.repaired + other.repaired,
-            lost_replaced=self.lost_replaced + other.lost_replaced,
-            lost_late=self.lost_late + other.lost_late,
-        )
+        return self._with(other, 1)
+
+    def __sub__(self, other: StreamCounts) -> StreamCounts:
+        return self._with(other, -1)
+
+    def _with(self, other: StreamCounts, factor: int) -> StreamCounts:
+        numbers = {
+            one.name: getattr(self, one.name) + factor * getattr(other, one.name)
+            for one in fields(self)
+            if one.name != "is_losing"
+        }
+        return StreamCounts(**numbers, is_losing=self.is_losing or other.is_losing)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -108,8 +132,9 @@ class LinkState:
     whether its connection was cut or it was started anew. Where it goes ``by_datagrams``, ``lost_percent`` of
     them were lost in the last minute. ``sessions`` counts how often an operator's end
     joined that may lack what was sent before. All operator's ends that are there reckon the topics in
-    ``predicted`` where they are told how; ``operators`` are their numbers. ``sent_bytes`` were put on the
-    link since the start; for ``silent_s`` nothing of them is known to have arrived at an operator's end.
+    ``predicted`` where they are told how; ``operators`` are their numbers. Since the start
+    ``sent_bytes`` were put on the link, and ``report_bytes`` came back that say what arrived; for
+    ``silent_s`` nothing of them is known to have arrived at an operator's end.
     """
 
     is_connected: Annotated[
@@ -146,7 +171,16 @@ class LinkState:
     sessions: Annotated[int, JsonEntry(is_absent=True)] = 0
     predicted: Annotated[frozenset[str], JsonEntry(is_absent=True)] = frozenset()
     operators: Annotated[frozenset[int], JsonEntry(is_absent=True)] = frozenset()
-    sent_bytes: Annotated[int, JsonEntry(is_absent=True)] = 0
+    sent_bytes: Annotated[
+        Count,
+        Metered("link_sent", "bytes", "Bytes that were put on the link.", MetricKind.COUNTER),
+    ] = 0
+    report_bytes: Annotated[
+        Count,
+        Metered(
+            "link_reports", "bytes", "Bytes of the reports that came back over the link.", MetricKind.COUNTER
+        ),
+    ] = 0
     silent_s: Annotated[float, JsonEntry(is_absent=True)] = 0.0
 
 

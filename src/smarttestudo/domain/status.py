@@ -28,13 +28,15 @@ from smarttestudo.domain.record import (
     measured_names,
 )
 from smarttestudo.domain.signal import Truth
-from smarttestudo.domain.units import NS_PER_MS
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_MS, S_PER_HOUR
 
 STATUS_HZ = 1.0
 """How often the status is published unless a subscriber requests more."""
 
 MOST_BLOCKS = 1_000
 """How many blocks a status holds at most, so that it stays small whatever the rules."""
+
+_LEAST_COUNTED_S = 10.0
 
 MOST_UPTIME_S = 1e10
 """Three centuries; what shows a status need not say more."""
@@ -342,6 +344,15 @@ class RuntimeStatus:
     def robot_id(self) -> str:
         """Identifier of its runtime among those of all robots: ``ada:/smarttestudo``, or the node alone."""
         return f"{self.robot}:{self.node}" if self.robot else self.node
+
+    def mb_an_hour(self, size_bytes: int) -> float | None:
+        """MB an hour, where so many bytes were put on the link since the start of the run.
+
+        ``None`` in its first ten seconds, and where the robot does not count them.
+        """
+        if self.link is None or not self.link.sent_bytes or self.uptime_s < _LEAST_COUNTED_S:
+            return None
+        return size_bytes / BYTES_PER_MB * S_PER_HOUR / self.uptime_s
 
     @property
     @derived()

@@ -8,6 +8,7 @@ from datetime import datetime, timedelta, timezone
 
 NS_PER_S = 1_000_000_000
 NS_PER_MS = 1_000_000
+S_PER_HOUR = 3600
 BYTES_PER_KB = 1000
 BITS_PER_BYTE = 8
 BYTES_PER_MB = 1_000_000
@@ -41,7 +42,7 @@ def grouped(number: float, decimals: int = 0) -> str:
     return f"{number:,.{decimals}f}".replace(",", " ")
 
 
-_UNITS_S = (("s", 1), ("min", 60), ("h", 3600), ("days", 86_400))
+_UNITS_S = (("s", 1), ("min", 60), ("h", S_PER_HOUR), ("days", 86_400))
 
 
 def duration_text(seconds: float) -> str:

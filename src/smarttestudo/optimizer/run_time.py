@@ -127,16 +127,16 @@ def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> Budget
     wanted_hz = [load.wanted_hz for load in loads]
     least_hz = [min(load.floor_hz, wanted) for load, wanted in zip(loads, wanted_hz, strict=True)]
     least = used_kb_per_s((load.size_kb, rate) for load, rate in zip(loads, least_hz, strict=True))
-    small_hz = _small_hz(loads, budget_kb_per_s)
-    priorities = sorted({load.priority for load in loads})
+    small_hz = _small_hz(loads, wanted_hz, budget_kb_per_s)
+    ranks = {priority: 2 * place for place, priority in enumerate(sorted({load.priority for load in loads}))}
     segments: list[Segment] = []
     for index, load in enumerate(loads):
         low_hz, high_hz = least_hz[index], wanted_hz[index]
-        kept_hz = max(low_hz, small_hz[index])
-        rank = 2 * priorities.index(load.priority)
-        for value, from_hz, to_hz in ((rank + 1, low_hz, kept_hz), (rank, kept_hz, high_hz)):
-            if to_hz > from_hz:
-                segments.append((value, index, to_hz - from_hz, load.size_kb * (to_hz - from_hz)))
+        kept_hz, rank = max(low_hz, small_hz[index]), ranks[load.priority]
+        if kept_hz > low_hz:
+            segments.append((rank + 1, index, kept_hz - low_hz, load.size_kb * (kept_hz - low_hz)))
+        if high_hz > kept_hz:
+            segments.append((rank, index, high_hz - kept_hz, load.size_kb * (high_hz - kept_hz)))
     rates_hz = list(least_hz)
     floors_fit = fits(least, budget_kb_per_s)
     if floors_fit:
@@ -150,11 +150,13 @@ def plan_within(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> Budget
     return BudgetPlan(cut_hz=cut_hz, floors_fit=floors_fit)
 
 
-def _small_hz(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> list[float]:
+def _small_hz(
+    loads: Sequence[TopicRequest], wanted_hz: Sequence[float], budget_kb_per_s: float
+) -> list[float]:
     """The part of each wanted rate that gives way last: all of a small topic, nothing of a large one."""
     alike: dict[tuple[float, float], list[int]] = {}
-    for index, load in enumerate(loads):
-        alike.setdefault((load.priority, load.size_kb * load.wanted_hz), []).append(index)
+    for index, (load, rate_hz) in enumerate(zip(loads, wanted_hz, strict=True)):
+        alike.setdefault((load.priority, load.size_kb * rate_hz), []).append(index)
     small_hz = [0.0] * len(loads)
     together: dict[float, float] = {}
     large = LARGE_SHARE * budget_kb_per_s
@@ -163,7 +165,7 @@ def _small_hz(loads: Sequence[TopicRequest], budget_kb_per_s: float) -> list[flo
         # By parts between the two, so that a larger budget lowers no rate.
         part = min(1.0, (large - used) / (large - SMALL_SHARE * budget_kb_per_s)) if used < large else 0.0
         for index in indices:
-            small_hz[index] = part * loads[index].wanted_hz
+            small_hz[index] = part * wanted_hz[index]
     return small_hz
 
 

@@ -12,6 +12,7 @@ import re
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from enum import Enum
+from functools import lru_cache
 from types import MappingProxyType
 from typing import NamedTuple
 
@@ -146,6 +147,7 @@ def _bitstream(payload: Payload, fields: str) -> _Bitstream:
 _ReadFrame = Callable[[bytes, int], VideoFrame]
 
 
+@lru_cache(maxsize=64)
 def _coder(name: str) -> _ReadFrame | None:
     """How to read what a coder of this name made; ``None`` for one that is not known, or codes images."""
     lower = name.lower().replace(".", "")

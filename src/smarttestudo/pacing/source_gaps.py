@@ -161,11 +161,14 @@ class BurstGaps(SourceGaps):
         gap_ns = self._add(count, (now_ns - last_ns) // count)
         if is_first or gap_ns >= self.step_ns:
             self.step_ns = self.mean_ns
-        lag_ns, step_ns = self.lag_ns, self.step_ns
+        lag_ns, step_ns, weighted_ns = self.lag_ns, self.step_ns, self.weighted_mean_ns
+        if not _is_of_bursts(weighted_ns, step_ns):
+            self.lag_ns = 0
+            return
         if gap_ns >= step_ns and lag_ns < 2 * step_ns:
             # So small a rest is the error of the mean gap: else it would grow, and messages be lost by it.
             lag_ns -= lag_ns // REST_SHARE
-        most_ns = MOST_LAG * (self.weighted_mean_ns - step_ns) if self.comes_in_bursts else 0
+        most_ns = MOST_LAG * (weighted_ns - step_ns)
         # One gap that is longer than all before it is an outage, not yet the pause between bursts.
         late_ns = min(gap_ns, longest_ns) - step_ns
         self.lag_ns = max(min(lag_ns + count * late_ns, most_ns, LONGEST_NS), 0)
@@ -173,4 +176,8 @@ class BurstGaps(SourceGaps):
     @property
     def comes_in_bursts(self) -> bool:
         """Whether gaps differ by more than jitter makes them."""
-        return 4 * self.weighted_mean_ns >= 5 * self.step_ns > 0
+        return _is_of_bursts(self.weighted_mean_ns, self.step_ns)
+
+
+def _is_of_bursts(weighted_ns: int, step_ns: int) -> bool:
+    return 4 * weighted_ns >= 5 * step_ns > 0

@@ -6,8 +6,9 @@ from __future__ import annotations
 
 from array import array
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 from smarttestudo.bags.definitions import RosbagDecoder
 from smarttestudo.bags.reader import open_recording
@@ -16,7 +17,7 @@ from smarttestudo.domain.link import StreamCounts, TopicOnLink
 from smarttestudo.domain.names import STATUS_TOPIC, TEXT_TYPE
 from smarttestudo.domain.recording import Channel
 from smarttestudo.domain.status import RuntimeStatus, status_from_text
-from smarttestudo.domain.units import NS_PER_S, counted, grouped
+from smarttestudo.domain.units import BYTES_PER_MB, NS_PER_S, counted, grouped
 from smarttestudo.report.axes import legend, line_entry
 from smarttestudo.report.markup import Markup, tag
 from smarttestudo.report.page import figure, folded_tables, section, topic_name
@@ -29,7 +30,7 @@ from smarttestudo.report.run_report import (
     TopicOverLink,
     coarser,
 )
-from smarttestudo.report.table import WHOLE, Column, Table, format_number
+from smarttestudo.report.table import WHOLE, Column, Table, decimals, format_number
 from smarttestudo.report.time_chart import BANDWIDTH, ChartLine, Run, TimeChart, value_heights
 from smarttestudo.report.time_drawing import STRIP, WIDE, draw_chart
 
@@ -85,12 +86,11 @@ class _Topic:
         self.counts = counts
 
     def total(self) -> StreamCounts:
-        before, now = self.before, self.counts
-        return StreamCounts(
-            sent=_bounded(before.sent + now.sent),
-            replaced=_bounded(before.replaced + now.replaced),
-            overflowed=_bounded(before.overflowed + now.overflowed),
-        )
+        total = self.before + self.counts
+        bounded_counts: dict[str, Any] = {
+            one.name: _bounded(getattr(total, one.name)) for one in fields(total)
+        }
+        return replace(StreamCounts(**bounded_counts), queued_bytes=0, is_losing=False)
 
 
 class LinkHistoryBuilder:
@@ -141,11 +141,7 @@ class LinkHistoryBuilder:
         self._outages_before = -outages
         for name, topic in _on_link(status):
             if (known := self._topic(name)) is not None:
-                known.before = StreamCounts(
-                    sent=-topic.counts.sent,
-                    replaced=-topic.counts.replaced,
-                    overflowed=-topic.counts.overflowed,
-                )
+                known.before = StreamCounts() - topic.counts
 
     def _topic(self, name: str) -> _Topic | None:
         if name not in self._topics and len(self._topics) >= MAX_TOPICS:
@@ -200,11 +196,16 @@ def link_table(history: LinkHistory) -> Table[TopicOverLink]:
             Column("Sent", "", lambda topic: topic.counts.sent, WHOLE),
             Column("Replaced", "", lambda topic: topic.counts.replaced, WHOLE),
             Column("Overflowed", "", lambda topic: topic.counts.overflowed, WHOLE),
+            Column("Repaired", "", lambda topic: topic.counts.repaired, WHOLE),
+            Column("Lost", "", lambda topic: topic.counts.lost, WHOLE),
+            Column("On the link", "MB", lambda topic: topic.counts.sent_bytes / BYTES_PER_MB, decimals(2)),
         ),
         rows=history.topics,
         footnotes=(
             "Age: of the last message before each status. Replaced: gave way to a newer message. "
-            "Overflowed: dropped because the topic's queue was full. Counts begin at the first status.",
+            "Overflowed: dropped because the topic's queue was full. Repaired: arrived because lost parts "
+            "were sent again. Lost: by the radio, and replaced or too late. Counts begin at the first "
+            "status.",
         ),
     )
 

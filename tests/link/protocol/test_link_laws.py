@@ -216,7 +216,7 @@ def test_the_last_words_of_a_publisher_arrive_although_it_left_in_an_outage(*, i
     assert exchange(sender, receiver, 60 * S) == [b"motor fault"]
     assert exchange(sender, receiver, 61 * S) == []
     assert receiver.streams == {}
-    assert sender.counts(61 * S)["/a"] == StreamCounts(sent=1)
+    assert replace(sender.counts(61 * S)["/a"], sent_bytes=0) == StreamCounts(sent=1)
 
 
 def test_of_too_many_publishers_that_left_in_an_outage_the_first_are_counted_as_lost() -> None:
@@ -232,7 +232,8 @@ def test_of_too_many_publishers_that_left_in_an_outage_the_first_are_counted_as_
     assert sender.counts(S)["/a"].overflowed == 3
     arrived = exchange(sender, receiver, 60 * S)
     assert sorted(arrived) == sorted(b"%d" % publisher for publisher in range(3, MAX_ENDING + 3))
-    assert sender.counts(60 * S)["/a"] == StreamCounts(sent=MAX_ENDING, overflowed=3)
+    counts = replace(sender.counts(60 * S)["/a"], sent_bytes=0)
+    assert counts == StreamCounts(sent=MAX_ENDING, overflowed=3)
 
 
 def exchange(sender: LinkSender[None], receiver: LinkReceiver, now_ns: int) -> list[bytes]:

@@ -161,6 +161,8 @@ def test_the_node_says_how_its_link_does() -> None:
         "link_outages": "2",
         "link_datagrams": "false",
         "link_lost_percent": "N/A",
+        "link_sent_bytes": "0",
+        "link_report_bytes": "0",
     }
 
 
@@ -210,6 +212,8 @@ def test_a_topic_says_how_it_does_on_the_link() -> None:
         "link_repaired": "0",
         "link_lost_replaced": "0",
         "link_lost_late": "0",
+        "link_sent_bytes": "0",
+        "link_repair_bytes": "0",
     }
 
 

@@ -23,7 +23,7 @@ from smarttestudo.cli.top_table import Line, SortKey, Style, cropped, print_line
 from smarttestudo.domain.decision import BoundReason, Reason
 from smarttestudo.domain.health import robot_health
 from smarttestudo.domain.incident import IncidentState
-from smarttestudo.domain.link import CommandTopic, LinkState
+from smarttestudo.domain.link import CommandTopic, LinkState, StreamCounts, TopicOnLink
 from smarttestudo.domain.status import LossBeforeRelay, RulesInForce, RulesOrigin, Silence, TopicStatus
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -146,6 +146,22 @@ def test_the_budget_and_its_trouble_are_said() -> None:
     linked = replace(STATUS, budget_kb_per_s=None, link=LinkState(is_connected=True))
     assert "out 946.0 KB/s, not limited   link: not the limit" in summary_lines(linked)[1].text
     assert "of 0.0" in summary_lines(replace(STATUS, budget_kb_per_s=0.0))[1].text
+
+
+def test_a_link_says_how_much_it_takes_an_hour_and_what_the_radio_lost() -> None:
+    counts = StreamCounts(sent=9, repaired=4, lost_replaced=2, lost_late=1, sent_bytes=3_000_000)
+    topics = {"/odom": replace(RELAYED, on_link=TopicOnLink(counts=counts))}
+    link = LinkState(is_connected=True, sent_bytes=3_900_000, report_bytes=100_000)
+    linked = replace(STATUS, uptime_s=600.0, link=link, topics=topics)
+    assert summary_lines(linked)[1].text.endswith(", 0 outages, 24.0 MB/h")
+    heads, units, _, row = (line.text.split() for line in topic_lines(linked, SortKey.TOPIC)[:4])
+    at = heads.index("Link")
+    assert heads[at : at + 3] == ["Link", "Repaired", "Lost"]
+    assert "MB/h" in units
+    assert {"18.0", "4", "3"} <= {*row}
+    # Robots of earlier versions do not count them.
+    earlier = replace(linked, link=replace(link, sent_bytes=0))
+    assert "MB/h" not in summary_lines(earlier)[1].text
 
 
 def test_a_fallback_and_a_lost_runtime_are_said() -> None:

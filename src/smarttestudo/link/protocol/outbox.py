@@ -172,6 +172,7 @@ class Outbox:
         )
         message.offset += len(body)
         self._sent_bytes += HEADER_BYTES + len(body)
+        stream.sent_bytes += HEADER_BYTES + len(body)
         if message.offset >= len(data):
             self._finish(stream, message)
         return chunk
@@ -312,12 +313,14 @@ class Outbox:
         self.fates.give_up(stream.take_slot(number))
 
     def _next_part(self, parts: SentParts, stream: OutgoingStream, session: int, now_ns: int) -> Chunk:
-        begun = stream.begun
-        if not stream.repairs and begun is None:
+        begun, is_repair = stream.begun, bool(stream.repairs)
+        if not is_repair and begun is None:
             begun = stream.begin(now_ns)
             begun.encoded = begun.encoded or self._encode(stream.number, begun.payload)
             parts.begin(stream, begun, len(begun.encoded.data))
         chunk = parts.next_part(stream, session, now_ns)
+        stream.sent_bytes += chunk.sent_bytes
+        stream.repair_bytes += chunk.sent_bytes if is_repair else 0
         if begun is not None and begun.offset >= chunk.size_bytes and begun.number == chunk.number:
             stream.begun, stream.is_floor_begun = None, False
             stream.sent += 1

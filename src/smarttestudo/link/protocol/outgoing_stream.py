@@ -125,6 +125,8 @@ class OutgoingStream:
     repaired: int = 0
     lost_replaced: int = 0
     lost_late: int = 0
+    sent_bytes: int = 0
+    repair_bytes: int = 0
 
     @property
     def has_work(self) -> bool:
@@ -243,4 +245,6 @@ class OutgoingStream:
             repaired=self.repaired,
             lost_replaced=self.lost_replaced,
             lost_late=self.lost_late,
+            sent_bytes=self.sent_bytes,
+            repair_bytes=self.repair_bytes,
         )

@@ -92,6 +92,8 @@ class LinkSender(Generic[_Request]):
         """When an operator's end said last that more has arrived."""
         self._restarted_ns = 0
         self._outages = 0
+        self.report_bytes = 0
+        """The size of all reports, which who reads them counts."""
         self._ages_ms: dict[str, float] = {}
         self._times_said_ns = 0
         self._said_period_ns = ACKNOWLEDGE_PERIOD_NS
@@ -246,6 +248,7 @@ class LinkSender(Generic[_Request]):
             predicted=self._receivers.predicted(now_ns),
             operators=self._receivers.present(now_ns),
             sent_bytes=self.scheduler.sent_bytes,
+            report_bytes=self.report_bytes,
             silent_s=(now_ns - self._arrived_ns) / NS_PER_S,
             by_datagrams=self.scheduler.is_by_datagrams,
             lost_percent=100 * self.scheduler.losses.at(now_ns) if self.scheduler.is_by_datagrams else None,

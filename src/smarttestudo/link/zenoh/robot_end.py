@@ -285,7 +285,12 @@ class RobotEnd:
             self.malformed += 1
             return
         handle = self._sender.handle_datagram_report if is_datagram else self._sender.handle_report
-        self._do(lambda: handle(report, self._clock()))
+
+        def take() -> None:
+            self._sender.report_bytes += len(data)
+            handle(report, self._clock())
+
+        self._do(take)
 
     def _send_next(self) -> float:
         """Send all chunks that may be sent, or an answer; how long to wait then."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
-from smarttestudo.domain.units import counted, utc_time
+from smarttestudo.domain.units import S_PER_HOUR, counted, utc_time
 from smarttestudo.report.fleet.numbers import (
     BoundSums,
     RecordingNumbers,
@@ -22,7 +22,6 @@ from smarttestudo.report.summary import volume_unit
 from smarttestudo.report.table import WHOLE, Column, Table, decimals, measured, percent_number, percent_text
 
 DEFAULTS = "Defaults"
-_S_PER_H = 3600
 _LOST_NOTE = (
     "Lost: messages of the robot that the operator did not get, also those that rules held back; %: of the "
     "messages of topics that both have. Age: the longest time without a newer message. Share: of all bytes "
@@ -74,7 +73,7 @@ def robot_table(totals: FleetTotals) -> Table[tuple[str, Sums]]:
             *_loss_columns(totals),
             *_volume_columns(totals, [sums for _, sums in shown]),
             Column("Recordings", "", lambda row: row[1].recordings, WHOLE, heads_group=True),
-            Column("Recorded", "h", lambda row: row[1].duration_s / _S_PER_H),
+            Column("Recorded", "h", lambda row: row[1].duration_s / S_PER_HOUR),
         ),
         rows=shown,
         footnotes=_more(more, "robot"),
@@ -107,7 +106,7 @@ def rule_table(totals: FleetTotals) -> Table[tuple[str, RuleSums]]:
             Column("Rule", "", lambda row: row[0] or DEFAULTS, is_text=True),
             *_lost_columns(totals),
             *_volume_columns(totals, [sums for _, sums in shown]),
-            Column("Decided", "h", lambda row: row[1].decided_s / _S_PER_H, heads_group=True),
+            Column("Decided", "h", lambda row: row[1].decided_s / S_PER_HOUR, heads_group=True),
             Column("Decisions", "", lambda row: row[1].decisions, WHOLE),
             Column("Recordings", "", lambda row: row[1].recordings, WHOLE),
         ),

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from datetime import datetime, timedelta, timezone
 from enum import Enum
 
-from smarttestudo.domain.units import NS_PER_S
+from smarttestudo.domain.units import NS_PER_S, S_PER_HOUR
 from smarttestudo.report.fleet.numbers import (
     BoundSums,
     RecordingNumbers,
@@ -23,7 +23,7 @@ from smarttestudo.report.fleet.numbers import (
 
 MOST_COLUMNS = 60
 _MOST_DAYS = 1000
-_HOUR_NS = 3600 * NS_PER_S
+_HOUR_NS = S_PER_HOUR * NS_PER_S
 _DAY_NS = 24 * _HOUR_NS
 _EPOCH = datetime(1970, 1, 1, tzinfo=timezone.utc)
 
