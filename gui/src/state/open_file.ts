@@ -77,7 +77,7 @@ export abstract class OpenFile {
   /** Reads the file, where `isThere`, and what was not saved of it. */
   async open(isThere = true): Promise<void> {
     if (this.isOpen.value) return;
-    const [theirs] = await Promise.all([this.elsewhere(), this.readBeside()]);
+    const [theirs] = await Promise.all([this.elsewhere(isThere), this.readBeside()]);
     const local = this.drafts.takeOver(this.name);
     // What was not saved of a file that is gone can still be saved.
     if (isThere && theirs.hash === null && (theirs.draft ?? local) === null) await this.api.read(this.name);
@@ -277,9 +277,10 @@ export abstract class OpenFile {
     return "";
   }
 
-  /** What the server has of the file now. */
-  private async elsewhere(): Promise<Elsewhere> {
-    const [onDisk, { draft }] = await Promise.all([readIfThere(this.api, this.name), this.api.draft(this.name)]);
+  /** What the server has of the file now; one that was never there is not read. */
+  private async elsewhere(isThere = true): Promise<Elsewhere> {
+    const read = isThere ? readIfThere(this.api, this.name) : null;
+    const [onDisk, { draft }] = await Promise.all([read, this.api.draft(this.name)]);
     const text = onDisk?.text ?? null;
     return { text, hash: onDisk?.hash ?? null, content: await this.contentOf(text), draft };
   }

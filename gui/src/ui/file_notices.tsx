@@ -105,7 +105,7 @@ export function FileNotices({ file }: { file: OpenFile }) {
   const elsewhere = `${file.name} was changed elsewhere; what you changed here is not saved.`;
   return (
     <>
-      {when && (
+      {when && change === null && (
         <div class="notice warning restored" role="status">
           <span>This is the draft of {when}: it is not in the file yet.</span>
           <span class="row">

@@ -53,7 +53,7 @@ def test_load_and_last_try_are_in_the_list_also_after_a_restart(
         expect(row).to_contain_text("worst case 12.5 of 20 KB/s")
         ruler.open("far.adirf")
         ruler.page.get_by_role("tab", name="Try on a recording").click()
-        ruler.page.get_by_label("Recording").select_option("monday")
+        ruler.page.get_by_role("combobox", name="Recording").select_option("monday")
         with ruler.page.expect_response("**/api/file/tried"):
             ruler.button("Run the rules on it").click()
     with browser.new_context() as context, served(project, ruler_port) as url:
@@ -68,7 +68,7 @@ def test_incidents_of_a_robot_stay_in_their_folder(ruler: RulerPage) -> None:
     expect(ruler.page.get_by_text("near_miss")).to_have_count(0)
     ruler.open("far.adirf")
     ruler.page.get_by_role("tab", name="Try on a recording").click()
-    choices = ruler.page.get_by_label("Recording").get_by_role("option").all_inner_texts()
+    choices = ruler.page.get_by_role("combobox", name="Recording").get_by_role("option").all_inner_texts()
     assert choices[:3] == ["project: all 66 recordings", "inc/: all 65 recordings", "monday"]
     ruler.page.get_by_role("link", name="Recordings", exact=True).click()
     listed = ruler.page.get_by_role("region", name="Recordings")
