@@ -71,7 +71,7 @@ async function openChanged(): Promise<RulerPage> {
 async function meet(ruler: RulerPage, theirs: string | null = THEIRS): Promise<Locator> {
   await ruler.saveOver({ "plain.adirf": theirs });
   const dialog = page.getByRole("dialog");
-  await expect.element(dialog).toHaveTextContent("nothing that you typed is lost");
+  await expect.element(dialog).toHaveTextContent("Nothing that you typed is lost");
   return dialog;
 }
 

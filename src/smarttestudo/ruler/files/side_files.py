@@ -80,5 +80,5 @@ class SideFiles(Generic[_Record]):
         self._folder.path(name)
         if self._folder.kind(name) not in _EDITED:
             remedy = "rule files end in .adirf, profiles in .toml"
-            raise ForbiddenPathError(f"no such file has {self._content}", place=name, remedy=remedy)
+            raise ForbiddenPathError(f"{self._content} of such a file is not kept", place=name, remedy=remedy)
         return self._folder.path(f"{self._place}/{name}{_SUFFIX}")
