@@ -498,7 +498,7 @@ export interface FileDraft {
 /** Kind of a file to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
 
-/** What rules take of the budget where they take most. */
+/** Load of rules in their worst case, and the budget. */
 export interface FileLoad {
   kb_per_s: number;
   budget_kb_per_s: number;
@@ -2147,7 +2147,7 @@ export interface TryTopicLoss {
 }
 
 /**
- * What an editor holds of a file and is not saved.
+ * Content of an editor that is not saved.
  *
  * `content` is the text of a rule file, or the table of a profile as JSON; `beside` is what the editor
  * keeps with it. `base_hash` is the SHA-256 of the file that was changed, null where there was none.

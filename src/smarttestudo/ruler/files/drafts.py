@@ -28,7 +28,7 @@ DRAFTS_FOLDER = ".testudo/drafts"
 
 
 class Unsaved(Struct, frozen=True, kw_only=True):
-    """What an editor holds of a file and is not saved.
+    """Content of an editor that is not saved.
 
     ``content`` is the text of a rule file, or the table of a profile as JSON; ``beside`` is what the editor
     keeps with it. ``base_hash`` is the SHA-256 of the file that was changed, null where there was none.
@@ -134,7 +134,7 @@ class DraftStore:
 
 @job("GET /api/draft")
 def draft(name: str, drafts: DraftStore) -> DraftAnswer:
-    """What is not saved of a file."""
+    """The draft of a file."""
     return DraftAnswer(draft=drafts.read(name))
 
 

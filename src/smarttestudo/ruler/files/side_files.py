@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the Ruler keeps of single files of the project, hidden in it: a record in JSON each."""
+"""Records that the Ruler keeps of files of the project, hidden in it: one in JSON for each."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the list of files says of a rule file: its load where it is greatest, and the last try of it."""
+"""Summary of a rule file for the list of files: its load in the worst case, and its last try."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _MAX_NAME_CHARACTERS = 1000
 
 
 class FileLoad(Struct, frozen=True, kw_only=True):
-    """What rules take of the budget where they take most."""
+    """Load of rules in their worst case, and the budget."""
 
     kb_per_s: float
     budget_kb_per_s: float
@@ -96,7 +96,7 @@ class FileLoads:
         self._load: Callable[[Draft], FileLoad | None] = lru_cache(maxsize=_TEXTS_KEPT)(_load)
 
     def load(self, draft: Draft) -> FileLoad | None:
-        """What ``draft`` takes where it takes most; ``None`` where that cannot be said."""
+        """Load of ``draft`` in its worst case; ``None`` where that cannot be said."""
         return self._load(draft)
 
 
