@@ -182,7 +182,7 @@ function LastTryWords({ last }: { last: LastTry | null | undefined }) {
   return (
     <span title={`Tried on ${bag === "/" ? "all recordings" : bag}, ${moment(tried_at_ms)}`}>
       tried {ago(tried_at_ms, Date.now())} on {bag === "/" ? "all" : baseName(bag.replace(/\/$/, ""))}:{" "}
-      {readable(kb_per_s)} KB/s, {readable(percent)} % less
+      {`${readable(kb_per_s)} KB/s, ${readable(percent)}\u00a0% less`}
     </span>
   );
 }
