@@ -10,7 +10,7 @@ import { KeptIncidents, KeptIncidentsBar } from "./incidents/kept_incidents";
 import { HomePage } from "./pages/home";
 import type { PageProps } from "./pages/page_props";
 import { href, NEW_PROFILE, type Route, readRoute, toRoute } from "./route";
-import { browserStorage, Drafts, OpenTabs } from "./state/drafts";
+import { browserStorage, LocalDrafts } from "./state/drafts";
 import { OpenEditors } from "./state/open_editors";
 import type { LostChanges } from "./state/rule_editor";
 import { TourOffer } from "./tour/tour_offer";
@@ -43,11 +43,12 @@ export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);
   const [problem, setProblem] = useState("");
   const root = project?.root_hash;
-  // Another folder behind the same address does not make it another tab: drafts are still its own.
-  const tabs = useMemo(() => new OpenTabs(crypto.getRandomValues(new Uint32Array(4)).join("-")), []);
+  const link = useRobot();
   const editors = useMemo(() => {
     if (root === undefined) return null;
-    return new OpenEditors(api, new Drafts(browserStorage(), root, tabs.own, () => tabs.others()));
+    const page = crypto.getRandomValues(new Uint32Array(4)).join("-");
+    const canSend = () => !link.isServerGone.peek() && !link.onlyWatches.peek();
+    return new OpenEditors(api, new LocalDrafts(browserStorage(), root, page, canSend));
   }, [root]);
   const keptIncidents = useMemo(() => new KeptIncidents(api), []);
   useWindowEvent("beforeunload", (event) => {
@@ -79,7 +80,7 @@ export function App({ api }: { api: Api }) {
     if (project?.opened && location.hash === "") toRoute({ page: "rules", name: project.opened });
   }, [project?.opened]);
   useEffect(() => void keptIncidents.follow(), []);
-  const { alarm, returns } = useRobot();
+  const { alarm, returns } = link;
   useSignalEffect(() => {
     document.title = alarm.value ? `✕ ${alarm.value} · ADIRF Ruler` : "ADIRF Ruler";
   });
@@ -154,8 +155,8 @@ function KnownFile({ Page, route, props, onMissing }: Props) {
   useEffect(() => {
     if (isThere) return;
     props.api.fileState(route.name).then(
-      ({ hash }) => {
-        if (hash !== null) return setIsThere(true);
+      async ({ hash }) => {
+        if (hash !== null || (await props.api.draft(route.name)).draft !== null) return setIsThere(true);
         onMissing(route.name);
         location.replace(href({ page: "home", name: "" }));
       },
@@ -170,7 +171,7 @@ function KnownFile({ Page, route, props, onMissing }: Props) {
 function mayBeNew({ page, name, rules }: Route, { project, editors }: PageProps): boolean {
   if (page !== "rules" && page !== "topics") return true;
   const isKnown = (kind: "rules" | "profile") =>
-    editors.unsaved(kind).includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
+    editors.unsaved().includes(name) || project.files.some((file) => file.kind === kind && file.name === name);
   if (page === "rules") return isKnown("rules");
   return isKnown("profile") || rules !== undefined || name === NEW_PROFILE;
 }

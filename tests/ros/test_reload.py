@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 
 from ros.ros_processes import SmallRobot
+from ruler.ruler_server import served
 
 IMU = {"type": "sensor_msgs/msg/Imu", "hz": 50}
 CLOCK = {"type": "rosgraph_msgs/msg/Clock", "hz": 10}
@@ -65,6 +66,33 @@ def test_reloads_of_two_thousand_rules_cost_a_full_topic_no_message(robot: Small
     assert counted["broken"] == []
     assert counted["heard"] >= 50
     assert "Traceback" not in "".join(runtime.output)
+
+
+@pytest.mark.contract
+def test_a_file_that_is_edited_on_the_page_is_followed_once_it_is_saved(robot: SmallRobot) -> None:
+    folder = robot.folder / "rules"
+    folder.mkdir()
+    good = "begin\n  SetFrequency /imu 10\nend\n"
+    (folder / "a.adirf").write_text(good, encoding="utf-8")
+    runtime = robot.testudo_run("--rules", str(folder))
+    runtime.line_with("/imu: 10 Hz (default)")
+    with served(folder) as page:
+        base_hash = page.get("/api/file?name=a.adirf").json["hash"]
+        root_hash = page.get("/api/project").json["root_hash"]
+        for length in range(1, len(good)):
+            draft = {"content": good[:length], "beside": "", "base_hash": base_hash}
+            ids = {"id": f"{length}", "known_ids": [f"{length - 1}"]}
+            asked = {"name": "a.adirf", "root_hash": root_hash, **ids, "draft": draft}
+            assert page.put("/api/draft", asked).status == 200
+        # The run looks at its folder after all that.
+        (folder / "b.adirf").write_text("begin SetFrequency /scan 5 end", encoding="utf-8")
+        runtime.line_with("/scan: 5 Hz (reload)")
+        said = "".join(runtime.output)
+        assert "/imu: 10 Hz →" not in said
+        assert "error" not in said
+        saved = {"name": "a.adirf", "text": good.replace("10", "30"), "base_hash": base_hash}
+        assert page.put("/api/file", {**saved, "draft_ids": [f"{len(good) - 1}"]}).status == 200
+    runtime.line_with("/imu: 10 Hz → 30 Hz (reload)")
 
 
 @pytest.mark.contract

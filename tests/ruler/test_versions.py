@@ -11,6 +11,7 @@ from urllib.parse import quote
 import pytest
 
 from ruler.ruler_server import Answer, Page, served
+from smarttestudo.ruler.files.drafts import DraftStore
 from smarttestudo.ruler.files.project import SaveRequest, read_file, save
 from smarttestudo.ruler.files.project_folder import ForbiddenPathError, ProjectFolder
 from smarttestudo.ruler.files.versions import MAX_VERSIONS, VersionStore
@@ -77,13 +78,13 @@ def test_versions_are_no_files_of_the_project(page: Page, folder: Path) -> None:
     assert (folder / ".testudo" / "versions" / ".gitignore").read_text() == "*\n"
 
 
-def test_the_last_fifty_versions_are_kept(folder: Path) -> None:
+def test_the_last_twenty_versions_are_kept(folder: Path) -> None:
     store = VersionStore(ProjectFolder(folder))
     for number in range(MAX_VERSIONS + 5):
         store.keep("zones/a.adirf", f"// {number}\n", START_MS + number * MINUTE_MS)
     versions = store.versions("zones/a.adirf")
     assert len(versions) == MAX_VERSIONS
-    assert [store.text("zones/a.adirf", versions[place].id) for place in (0, -1)] == ["// 54\n", "// 5\n"]
+    assert [store.text("zones/a.adirf", versions[place].id) for place in (0, -1)] == ["// 24\n", "// 5\n"]
 
 
 def test_a_clock_that_was_set_back_keeps_the_order(folder: Path) -> None:
@@ -102,7 +103,8 @@ def test_a_save_without_room_for_versions_is_still_a_save(folder: Path) -> None:
     request = SaveRequest(
         name="zones/a.adirf", text="// new\n", base_hash=read_file("zones/a.adirf", project).hash
     )
-    assert "the version cannot be written" in save(request, project, VersionStore(project, lambda: 0.0)).note
+    saved = save(request, project, DraftStore(project), VersionStore(project, lambda: 0.0))
+    assert "the version cannot be written" in saved.note
     assert (folder / "zones" / "a.adirf").read_text() == "// new\n"
 
 

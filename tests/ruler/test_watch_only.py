@@ -21,7 +21,9 @@ RULES = "begin\n    SetFrequency /odom 5\nend\n"
 TOKEN, WATCH_TOKEN = "may-change", "may-watch"
 REFUSED = "you may only watch here: nothing was changed"
 CHANGES = {
+    "PUT /api/draft",
     "PUT /api/file",
+    "PUT /api/file/tried",
     "POST /api/file/rename",
     "POST /api/file/copy",
     "POST /api/file/delete",

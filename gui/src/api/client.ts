@@ -90,8 +90,14 @@ export class Api {
     return this.ask("GET /api/file/state", null, { name });
   }
 
-  save(name: string, text: string, baseHash: string | null): Answer<"PUT /api/file"> {
-    return this.ask("PUT /api/file", { name, text, base_hash: baseHash });
+  /** Writes a file in the place of the one of this hash and of these drafts. */
+  save(name: string, text: string, baseHash: string | null, draftIds: readonly string[] = []): Answer<"PUT /api/file"> {
+    return this.ask("PUT /api/file", { name, text, base_hash: baseHash, draft_ids: [...draftIds] });
+  }
+
+  /** What is not saved of a file. */
+  draft(name: string): Answer<"GET /api/draft"> {
+    return this.ask("GET /api/draft", null, { name });
   }
 
   /** What was saved of a rule file, the newest first. */

@@ -319,6 +319,38 @@ export interface Draft {
   profile_name?: string;
 }
 
+/** The draft of a file, null where all is saved. */
+export interface DraftAnswer {
+  draft: FileDraft | null;
+}
+
+/**
+ * The draft of the file `name`, called `id`; null where it has none any more.
+ *
+ * `root_hash` is of the project that the page shows: behind one address may be another by now.
+ * `known_ids` are the drafts that the page knows, which this one takes the place of. `discarded` is a
+ * content that somebody gave up, null for none: of rules a version of it is kept.
+ */
+export interface DraftRequest {
+  name: string;
+  root_hash: string;
+  id: string;
+  known_ids: string[];
+  draft: Unsaved | null;
+  discarded?: string | null;
+}
+
+/** A file with a draft; it need not be there. Times count since 1970. */
+export interface DraftedFile {
+  name: string;
+  changed_at_ms: number;
+}
+
+/** The files with drafts, by name. */
+export interface DraftsAnswer {
+  drafts: DraftedFile[];
+}
+
 /**
  * Where the robot of a recording was: seconds since its start, x and y in metres.
  *
@@ -454,12 +486,37 @@ export interface FileAnswer {
   hash: string;
 }
 
+/** A draft; its `id`, which a page chose, is another after each change. Times count since 1970. */
+export interface FileDraft {
+  content: string;
+  beside: string;
+  base_hash: string | null;
+  id: string;
+  changed_at_ms: number;
+}
+
 /** Kind of a file to the Ruler; the value is its name in JSON. */
 export type FileKind = "rules" | "profile" | "bag" | "map" | "layout" | "image";
+
+/** Load of rules in their worst case, and the budget. */
+export interface FileLoad {
+  kb_per_s: number;
+  budget_kb_per_s: number;
+}
 
 /** The SHA-256 of what is on disk, null where nothing is. */
 export interface FileOnDisk {
   hash: string | null;
+}
+
+/**
+ * Load and last try of a rule file.
+ *
+ * `load` is null where the rules have errors or their profile does not say all that it takes.
+ */
+export interface FileSummary {
+  load: FileLoad | null;
+  last_try: LastTry | null;
 }
 
 /**
@@ -762,6 +819,19 @@ export interface KnownVitals {
   name: string;
   meaning: string;
   properties: Property[];
+}
+
+/**
+ * The last try of rules: on the recording `bag`, or on those of a folder, which ends in `/`.
+ *
+ * `kb_per_s` is what was sent of relayed topics, `percent` how much less that is than the source. Times
+ * count since 1970.
+ */
+export interface LastTry {
+  bag: string;
+  kb_per_s: number;
+  percent: number;
+  tried_at_ms: number;
 }
 
 /**
@@ -1687,11 +1757,16 @@ export interface SaveAnswer {
   note: string;
 }
 
-/** A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet. */
+/**
+ * A text to be saved; `base_hash` is what the editor read; null where the file must not exist yet.
+ *
+ * `draft_ids` are the drafts of the file that the editor knows: the text takes their place, too.
+ */
 export interface SaveRequest {
   name: string;
   text: string;
   base_hash?: string | null;
+  draft_ids?: string[];
 }
 
 /** `SetFrequency topic rate [margin]`: a default, or in a rule, without `id` and `key`. */
@@ -1928,6 +2003,14 @@ export interface TriedRecording {
   remedy: string;
 }
 
+/** Result of a try of the rule file `name`; see `LastTry`. */
+export interface TriedRequest {
+  name: string;
+  bag: string;
+  kb_per_s: number;
+  percent: number;
+}
+
 /** Kleene's three values, ordered false < unknown < true: AND is the least, OR the greatest. */
 export type Truth = "false" | "unknown" | "true";
 
@@ -2068,6 +2151,18 @@ export interface TryTopicLoss {
   age_s_bins: (number | null)[];
 }
 
+/**
+ * Content of an editor that is not saved.
+ *
+ * `content` is the text of a rule file, or the table of a profile as JSON; `beside` is what the editor
+ * keeps with it. `base_hash` is the SHA-256 of the file that was changed, null where there was none.
+ */
+export interface Unsaved {
+  content: string;
+  beside: string;
+  base_hash: string | null;
+}
+
 /** `Until op value` behind a check: what ends it. */
 export interface UntilValue {
   op: Operator;
@@ -2188,6 +2283,9 @@ export interface Routes {
   "POST /api/check/course": { asked: CheckCourseRequest; answered: CheckCourse };
   "POST /api/difference": { asked: DifferenceRequest; answered: DifferenceAnswer };
   "POST /api/document": { asked: Draft; answered: RuleDocument };
+  "GET /api/draft": { asked: null; answered: DraftAnswer };
+  "PUT /api/draft": { asked: DraftRequest; answered: DraftAnswer };
+  "GET /api/drafts": { asked: null; answered: DraftsAnswer };
   "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
   "POST /api/export": { asked: ExportRequest; answered: TextAnswer };
   "GET /api/file": { asked: null; answered: FileAnswer };
@@ -2196,6 +2294,8 @@ export interface Routes {
   "POST /api/file/delete": { asked: DeleteRequest; answered: Project };
   "POST /api/file/rename": { asked: RenameRequest; answered: Project };
   "GET /api/file/state": { asked: null; answered: FileOnDisk };
+  "GET /api/file/summary": { asked: null; answered: FileSummary };
+  "PUT /api/file/tried": { asked: TriedRequest; answered: LastTry };
   "POST /api/format": { asked: Draft; answered: TextAnswer };
   "POST /api/import": { asked: ImportRequest; answered: EditAnswer };
   "POST /api/import/preview": { asked: ImportPreviewRequest; answered: ImportPreview };

@@ -66,6 +66,8 @@ export function newWorkspace(
       move: { scrollbars: true, drag: true, wheel: true },
     }),
   );
+  // What was copied in rules that were open before is pasted here.
+  if (Blockly.clipboard.getLastCopiedData()) Blockly.clipboard.setLastCopiedWorkspace(workspace);
   offerRecipes(workspace, recipes);
   useOwnMenus(workspace, buttons, page);
   useOwnKeys(host);

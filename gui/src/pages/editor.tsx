@@ -12,7 +12,6 @@ import { ProfileChoice } from "../panels/profile_choice";
 import { RobotPanel } from "../panels/robot_panel";
 import { SendDialog } from "../panels/rule_push_steps";
 import { type Side, SidePane } from "../panels/side_pane";
-import { toRoute } from "../route";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
@@ -137,10 +136,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
         </section>
       </main>
       <Toast message={editor.message} />
-      <ConflictDialog
-        file={editor}
-        onSavedAs={(saved) => refresh().then(() => toRoute({ page: "rules", name: saved }))}
-      />
+      <ConflictDialog file={editor} />
       <SendDialog rulePush={robot.rulePush} />
     </div>
   );

@@ -1,16 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useState } from "preact/hooks";
+import type { FoundFile } from "../api/types";
 import { RecordingStart } from "../panels/project_start";
 import { readRoute, toRoute } from "../route";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
+import { baseName, byFolder } from "../ui/files";
 import { Header } from "../ui/header";
 import { Breakable } from "../ui/notice";
 import { ago, moment, sizeWords } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
 const ALL = { page: "recordings", name: "" } as const;
+/** A folder with more is closed at first, as that of a robot's incidents. */
+const FEW = 10;
 
 /** The recordings of the project; with a name, what to make of that one. */
 export function RecordingsPage({ api, project, refresh, name }: PageProps) {
@@ -32,30 +36,47 @@ export function RecordingsPage({ api, project, refresh, name }: PageProps) {
               bag into the project.
             </p>
           )}
-          <ul class="files">
-            {bags.map((bag) => (
-              <li key={bag.name}>
-                <span class="file-name">
-                  <Breakable name={bag.name} />
-                  {bag.name.endsWith(".bag") && " (ROS 1)"}
-                </span>
-                <span class="file-notes quiet">
-                  <span>{sizeWords(bag.size_bytes / 1000)}</span>
-                  <time title={moment(1000 * bag.changed_at_s)}>{ago(1000 * bag.changed_at_s, Date.now())}</time>
-                </span>
-                <NeedsServer changes>
-                  <Button
-                    label="New rules from it"
-                    aria-label={`New rules from ${bag.name}`}
-                    onClick={() => setChosen(bag.name)}
-                  />
-                </NeedsServer>
-              </li>
-            ))}
-          </ul>
+          {[...byFolder(bags)].map(([folder, some]) =>
+            folder === "" ? (
+              <BagRows bags={some} choose={setChosen} />
+            ) : (
+              <details key={folder} open={some.length <= FEW}>
+                <summary>
+                  {folder} <span class="quiet">{some.length}</span>
+                </summary>
+                <BagRows bags={some} choose={setChosen} />
+              </details>
+            ),
+          )}
         </section>
         {chosen !== "" && <RecordingStart {...{ api, project, refresh }} bag={chosen} onClose={close} />}
       </main>
     </>
+  );
+}
+
+function BagRows({ bags, choose }: { bags: readonly FoundFile[]; choose: (name: string) => void }) {
+  return (
+    <ul class="files">
+      {bags.map((bag) => (
+        <li key={bag.name}>
+          <span class="file-name">
+            <Breakable name={baseName(bag.name)} />
+            {bag.name.endsWith(".bag") && " (ROS 1)"}
+          </span>
+          <span class="file-notes quiet">
+            <span>{sizeWords(bag.size_bytes / 1000)}</span>
+            <time title={moment(1000 * bag.changed_at_s)}>{ago(1000 * bag.changed_at_s, Date.now())}</time>
+          </span>
+          <NeedsServer changes>
+            <Button
+              label="New rules from it"
+              aria-label={`New rules from ${bag.name}`}
+              onClick={() => choose(bag.name)}
+            />
+          </NeedsServer>
+        </li>
+      ))}
+    </ul>
   );
 }

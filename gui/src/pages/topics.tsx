@@ -4,7 +4,7 @@ import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
 import { TIERS } from "../api/types";
 import { LevelPanel } from "../levels/level_panel";
-import { href, toRoute } from "../route";
+import { href } from "../route";
 import { BagWork } from "../state/bag_work";
 import type { OpenEditors } from "../state/open_editors";
 import type { ProfileEditor } from "../state/profile_editor";
@@ -70,10 +70,7 @@ export function TopicsPage({ project, name, rules, refresh, editors }: PageProps
         {isOpen && <TopicTable editor={editor} />}
         {isOpen && <LevelPanel {...{ editor, bags }} />}
         <Toast message={editor.message} />
-        <ConflictDialog
-          file={editor}
-          onSavedAs={(saved) => refresh().then(() => toRoute({ page: "topics", name: saved }))}
-        />
+        <ConflictDialog file={editor} />
       </main>
     </>
   );

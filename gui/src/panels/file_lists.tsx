@@ -1,23 +1,25 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useState } from "preact/hooks";
+import { useEffect, useState } from "preact/hooks";
 import { type Api, refusalOf } from "../api/client";
-import type { FileAnswer, FileKind, FoundFile, Project } from "../api/types";
+import type { FileAnswer, FileKind, FileLoad, FileSummary, FoundFile, LastTry, Project } from "../api/types";
 import { href, type Route } from "../route";
 import type { OpenEditors } from "../state/open_editors";
 import { followersOf } from "../state/robot_trouble";
-import type { Trial } from "../state/trial";
 import { Button } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { FormDialog, typedName } from "../ui/dialog";
-import { baseName, folderOf } from "../ui/files";
+import { baseName, byFolder } from "../ui/files";
 import { MenuButton, MenuItem } from "../ui/header";
+import { useAnswer } from "../ui/later";
 import { Breakable } from "../ui/notice";
-import { ago, moment, readable } from "../ui/numbers";
+import { ago, kilobytes, moment, readable } from "../ui/numbers";
 
-interface Props extends FileActsProps {
-  editors: OpenEditors;
-}
+type Props = FileActsProps;
+
+/** The loads and last tries of so many rule files are asked for. */
+const MOST_SUMMARIES = 200;
+const ENDINGS = { rules: ".adirf", profile: ".toml" };
 
 /** A file of the project, or one that is in this browser only. */
 interface Row {
@@ -29,6 +31,8 @@ interface Row {
 export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
   const [wanted, setWanted] = useState("");
   const hasRules = props.project.files.some(({ kind }) => kind === "rules");
+  const { answer } = useAnswer(() => props.api.ask("GET /api/drafts", null), [props.project]);
+  const asked = { wanted, drafts: answer?.drafts.map(({ name }) => name) ?? [], summaries: useSummaries(props) };
   return (
     <>
       {!hasRules && <p class="lead">Say how often each topic of your robot is worth sending, and when.</p>}
@@ -45,22 +49,45 @@ export function FileLists({ onNew, ...props }: Props & { onNew: () => void }) {
           <Button label="New Rule File" class={hasRules ? "" : "primary"} onClick={onNew} />
         </NeedsServer>
       </div>
-      <FileList {...props} {...{ wanted }} kind="rules" title="Rules" page="rules" />
-      <FileList {...props} {...{ wanted }} kind="profile" title="Topic parameters" page="topics" />
+      <FileList {...props} {...asked} kind="rules" title="Rules" page="rules" />
+      <FileList {...props} {...asked} kind="profile" title="Topic parameters" page="topics" />
     </>
   );
 }
 
+/** What the server says of each rule file, one after the other; what it said before stays meanwhile. */
+function useSummaries({ api, project }: Props): ReadonlyMap<string, FileSummary> {
+  const [known, setKnown] = useState<ReadonlyMap<string, FileSummary>>(new Map());
+  useEffect(() => {
+    let isLeft = false;
+    const look = async () => {
+      for (const { name } of savedFiles(project, "rules").slice(0, MOST_SUMMARIES)) {
+        const one = await api.ask("GET /api/file/summary", null, { name });
+        if (isLeft) return;
+        setKnown((before) => new Map(before).set(name, one));
+      }
+    };
+    // A list without them is still a list.
+    void refusalOf(look);
+    return () => {
+      isLeft = true;
+    };
+  }, [project]);
+  return known;
+}
+
 interface ListProps extends Props {
+  summaries: ReadonlyMap<string, FileSummary>;
+  drafts: readonly string[];
   wanted: string;
   kind: Extract<FileKind, "rules" | "profile">;
   title: string;
   page: Route["page"];
 }
 
-function FileList({ wanted, kind, title, ...props }: ListProps) {
+function FileList({ wanted, kind, title, drafts, ...props }: ListProps) {
   const { project, editors } = props;
-  const unsaved = new Set(editors.unsaved(kind));
+  const unsaved = new Set([...editors.unsaved(), ...drafts].filter((name) => name.endsWith(ENDINGS[kind])));
   const all = rowsOf(project, kind, unsaved);
   const words = wanted.toLowerCase().split(/\s+/);
   const rows = all.filter(({ name }) => words.every((word) => name.toLowerCase().includes(word)));
@@ -96,8 +123,13 @@ function FileList({ wanted, kind, title, ...props }: ListProps) {
   );
 }
 
-function rowsOf({ files }: Project, kind: FileKind, unsaved: ReadonlySet<string>): Row[] {
-  const saved = files.filter((file) => file.kind === kind).sort((a, b) => b.changed_at_s - a.changed_at_s);
+/** The files of one kind, those that were changed last first. */
+function savedFiles({ files }: Project, kind: FileKind): FoundFile[] {
+  return files.filter((file) => file.kind === kind).sort((a, b) => b.changed_at_s - a.changed_at_s);
+}
+
+function rowsOf(project: Project, kind: FileKind, unsaved: ReadonlySet<string>): Row[] {
+  const saved = savedFiles(project, kind);
   const isThere = new Set(saved.map(({ name }) => name));
   return [
     ...[...unsaved].filter((name) => !isThere.has(name)).map((name) => ({ name, file: null })),
@@ -105,24 +137,12 @@ function rowsOf({ files }: Project, kind: FileKind, unsaved: ReadonlySet<string>
   ];
 }
 
-/** The rows of each folder, those of the project's own first; folders in the order of their first row. */
-function byFolder(rows: readonly Row[]): ReadonlyMap<string, Row[]> {
-  const folders = new Map<string, Row[]>();
-  const own = rows.filter(({ name }) => folderOf(name) === "");
-  if (own.length > 0) folders.set("", own);
-  for (const row of rows) {
-    const folder = folderOf(row.name);
-    if (folder !== "") folders.set(folder, [...(folders.get(folder) ?? []), row]);
-  }
-  return folders;
-}
-
-interface RowsProps extends Omit<ListProps, "wanted" | "title"> {
+interface RowsProps extends Omit<ListProps, "wanted" | "title" | "drafts"> {
   rows: readonly Row[];
   unsaved: ReadonlySet<string>;
 }
 
-function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
+function FileRows({ rows, unsaved, kind, page, summaries, ...props }: RowsProps) {
   return (
     <ul class="files">
       {rows.map(({ name, file }) => (
@@ -131,9 +151,10 @@ function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
             <Breakable name={baseName(name)} />
           </a>
           <span class="file-notes quiet">
-            {kind === "rules" && <LastTry trial={props.editors.tries.of(name).last.value} />}
+            {unsaved.has(name) && <span class="drafted">draft, not saved</span>}
             {kind === "rules" && <Followers name={name} />}
-            {unsaved.has(name) && <span>not saved</span>}
+            <Load load={summaries.get(name)?.load} />
+            <LastTryWords last={summaries.get(name)?.last_try} />
             {file && <time title={moment(1000 * file.changed_at_s)}>{ago(1000 * file.changed_at_s, Date.now())}</time>}
           </span>
           <FileActs {...props} {...{ name }} isSaved={file !== null && !unsaved.has(name)} />
@@ -143,14 +164,25 @@ function FileRows({ rows, unsaved, kind, page, ...props }: RowsProps) {
   );
 }
 
-/** What the rules took of the link in the last try of this page. */
-function LastTry({ trial }: { trial: Trial | null }) {
-  if (trial === null) return null;
-  const { after_kb, duration_s, percent } = trial.answer;
-  const load = readable(after_kb / Math.max(duration_s, 1));
+/** What the rules take of the budget where they take most. */
+function Load({ load }: { load: FileLoad | null | undefined }) {
+  if (!load) return null;
+  const { kb_per_s, budget_kb_per_s } = load;
   return (
-    <span title={`The last try, on ${trial.bag}`}>
-      {load} KB/s, {readable(percent)} % less, on {baseName(trial.bag)}
+    <span class={kb_per_s > budget_kb_per_s ? "over" : ""} title="Where the rules take most of the budget">
+      worst case {kilobytes(kb_per_s)} of {kilobytes(budget_kb_per_s)} KB/s
+    </span>
+  );
+}
+
+/** What the last try said of the rules, and when. */
+function LastTryWords({ last }: { last: LastTry | null | undefined }) {
+  if (!last) return null;
+  const { bag, kb_per_s, percent, tried_at_ms } = last;
+  return (
+    <span title={`Tried on ${bag === "/" ? "all recordings" : bag}, ${moment(tried_at_ms)}`}>
+      tried {ago(tried_at_ms, Date.now())} on {bag === "/" ? "all" : baseName(bag.replace(/\/$/, ""))}:{" "}
+      {`${readable(kb_per_s)} KB/s, ${readable(percent)}\u00a0% less`}
     </span>
   );
 }
@@ -171,6 +203,7 @@ function Followers({ name }: { name: string }) {
 
 interface FileActsProps {
   api: Api;
+  editors: OpenEditors;
   project: Project;
   refresh: () => Promise<void>;
   /** What was deleted, so that it can be brought back. */
@@ -182,16 +215,17 @@ type Asked = "rename" | "duplicate" | null;
 
 /** What can be done with a file besides opening it. */
 function FileActs(props: FileActsProps & { name: string; isSaved: boolean }) {
-  const { api, name, isSaved, refresh, onDeleted, onRefused } = props;
+  const { api, editors, name, isSaved, refresh, onDeleted, onRefused } = props;
   const [asked, setAsked] = useState<Asked>(null);
-  const remove = async () => {
-    const why = await refusalOf(async () => {
-      const file = await api.read(name);
-      await api.ask("POST /api/file/delete", { name, base_hash: file.hash });
-      onDeleted(file);
-    });
+  const guarded = async (work: () => Promise<void>) => {
+    const why = await refusalOf(work);
     if (why !== "") onRefused(why);
     await refresh();
+  };
+  const remove = async () => {
+    const file = await api.read(name);
+    await api.ask("POST /api/file/delete", { name, base_hash: file.hash });
+    onDeleted(file);
   };
   return (
     <>
@@ -199,9 +233,9 @@ function FileActs(props: FileActsProps & { name: string; isSaved: boolean }) {
         <NeedsServer changes>
           <MenuItem label="Rename" isDisabled={!isSaved} act={() => setAsked("rename")} />
           <MenuItem label="Duplicate" isDisabled={!isSaved} act={() => setAsked("duplicate")} />
-          <MenuItem label="Delete" isDisabled={!isSaved} act={() => void remove()} />
+          <MenuItem label="Delete" isDisabled={!isSaved} act={() => void guarded(remove)} />
+          {!isSaved && <MenuItem label="Discard the draft" act={() => void guarded(() => editors.discard(name))} />}
         </NeedsServer>
-        {!isSaved && <p class="quiet">Save it first.</p>}
       </MenuButton>
       {asked !== null && <NameDialog {...props} isCopy={asked === "duplicate"} onClose={() => setAsked(null)} />}
     </>

@@ -4,7 +4,7 @@ import { useEffect, useRef } from "preact/hooks";
 import type { FoundFile, Project } from "../api/types";
 import type { KeptIncidents } from "../incidents/kept_incidents";
 import type { RuleEditor } from "../state/rule_editor";
-import { FolderTrial, Trial } from "../state/trial";
+import { FolderTrial, Trial, totalOf } from "../state/trial";
 import {
   ALL,
   bagsIn,
@@ -22,6 +22,7 @@ import { TryResult } from "../try/try_result";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { NeedsServer } from "../ui/connection";
+import { byFolder } from "../ui/files";
 import { WorkProgress } from "../ui/notice";
 import { counted } from "../ui/numbers";
 import { focusIn } from "../ui/watch";
@@ -52,6 +53,8 @@ export function TryPanel(props: Props) {
   const chosen = tries.chosen.value;
   const folder = folders.find(([name]) => name === chosen)?.[0] ?? null;
   const bag = recordingOf(bags, tries, editor.rules, editor.map.value.bag);
+  // The project's own first: a robot's incidents are in a folder of theirs.
+  const listed = [...byFolder(bags.map((name) => ({ name }))).values()].flat().map(({ name }) => name);
   const work = folder === null ? tries.work : tries.folderWork;
   const isRunning = work.state.value.kind === "running";
   return (
@@ -60,7 +63,7 @@ export function TryPanel(props: Props) {
         <Choice
           label="Recording"
           value={folder ?? bag}
-          choices={[...folders.map(([name, count]) => [name, choiceWords(name, count, project)] as const), ...bags]}
+          choices={[...folders.map(([name, count]) => [name, choiceWords(name, count, project)] as const), ...listed]}
           disabled={isRunning}
           choose={(name) => (tries.chosen.value = name)}
         />
@@ -87,6 +90,7 @@ function tryRecording({ editor: { api, rules }, tries }: Props, bag: string): Pr
   return tries.work.start(async (run, signal) => {
     const { files } = await api.project();
     const answer = await api.ask("POST /api/try", { ...rules, bag, run }, { signal });
+    tries.remember(bag, answer);
     return new Trial(answer, rules, bag, [fileOf(bag, files)]);
   });
 }
@@ -101,7 +105,9 @@ function tryFolder({ editor: { api, rules }, tries }: Props, folder: string): Pr
       const trial = new FolderTrial(folder, rules, recordingsIn(folder, files));
       share = (ofOne, number) => trial.share(ofOne, number);
       tries.folder.value = trial;
-      return trial.run(api, run, signal, setShare);
+      const done = await trial.run(api, run, signal, setShare);
+      tries.remember(folder, totalOf(done.rows.peek()));
+      return done;
     },
     (ofOne, number) => share(ofOne, number),
   );

@@ -13,7 +13,7 @@ import { moment } from "../ui/numbers";
 
 const SHOWN_CHANGES = 5;
 
-/** What was saved of the rule file: when, what changed in words, and the way back. */
+/** What was saved or given up of the rule file: when, what changed in words, and the way back. */
 export function VersionsPane({ editor }: { editor: RuleEditor }) {
   // Each save makes a version.
   const { answer, problem, again } = useAnswer(() => editor.api.versions(editor.name), [editor.savedContent.value]);
@@ -31,11 +31,8 @@ export function VersionsPane({ editor }: { editor: RuleEditor }) {
     guarded(async () => {
       const text = await textOf(id);
       compared.value = null;
-      // What was not saved is a version, too.
-      if (!editor.isContentSaved.value) await editor.save();
-      if (!editor.isContentSaved.value) return;
-      await editor.setText(text);
-      await editor.save();
+      await editor.replaceUnsaved(text);
+      await again();
     });
   if (answer === null) return <p class="quiet versions-pane">{problem || "Reading the versions …"}</p>;
   const { versions, most, folder } = answer;
@@ -69,7 +66,8 @@ export function VersionsPane({ editor }: { editor: RuleEditor }) {
         ))}
       </ol>
       <p class="quiet">
-        At most {most} versions are kept, in {folder} of the project. Bringing one back saves it as the newest.
+        At most {most} versions are kept, in {folder} of the project. What is brought back is not saved yet; what was
+        not saved before is a version.
       </p>
     </section>
   );

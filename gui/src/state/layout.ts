@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 import { type Api, ApiError } from "../api/client";
 import { baseName, folderOf } from "../ui/files";
-import { saveOver } from "./open_file";
 
 /**
  * What zones are drawn on: a map or image, and the path of a recording.
@@ -42,7 +41,7 @@ export async function readLayout(api: Api, name: string): Promise<{ map: MapSett
   try {
     if ((await api.fileState(side)).hash === null) return { map: PLAIN_GRID, hash: null };
     const { text, hash } = await api.read(side);
-    return { map: sideFileOf(text).map, hash };
+    return { map: mapOf(text), hash };
   } catch (error) {
     if (error instanceof ApiError) return { map: PLAIN_GRID, hash: null };
     throw error;
@@ -52,18 +51,21 @@ export async function readLayout(api: Api, name: string): Promise<{ map: MapSett
 /** Writes the side file and returns its hash; over what somebody else wrote there too, for it holds nothing but looks. */
 export async function writeLayout(api: Api, side: string, map: MapSetting, hash: string | null): Promise<string> {
   const text = `${JSON.stringify({ map }, null, 1)}\n`;
-  const done = await saveOver(api, side, text, hash);
-  return "mine" in done ? (await api.save(side, text, done.hash)).hash : done.hash;
+  try {
+    return (await api.save(side, text, hash)).hash;
+  } catch (error) {
+    if (!(error instanceof ApiError) || error.status !== 409) throw error;
+  }
+  return (await api.save(side, text, (await api.fileState(side)).hash)).hash;
 }
 
-/** What a side file says, and the rules that a draft has beside it; what cannot be read is left out. */
-export function sideFileOf(json: string): { map: MapSetting; text?: string } {
+/** The map that a side file says; what cannot be read is left out. */
+export function mapOf(json: string): MapSetting {
   try {
-    const { map, text } = JSON.parse(json) as { map?: unknown; text?: unknown };
-    const side = { map: { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) } };
-    return typeof text === "string" ? { ...side, text } : side;
+    const { map } = JSON.parse(json) as { map?: unknown };
+    return { ...PLAIN_GRID, ...likePlainGrid(map ?? {}) };
   } catch {
-    return { map: PLAIN_GRID };
+    return PLAIN_GRID;
   }
 }
 

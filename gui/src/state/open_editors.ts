@@ -1,17 +1,22 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { type ReadonlySignal, signal } from "@preact/signals";
-import type { Api } from "../api/client";
+import { type Api, refusalOf } from "../api/client";
 import type { FileAnswer } from "../api/types";
-import type { Drafts } from "./drafts";
+import type { LocalDrafts } from "./drafts";
 import { ProfileEditor } from "./profile_editor";
 import { type LostChanges, RuleEditor } from "./rule_editor";
 import { Folds } from "./statements";
+import { sentKbPerS } from "./trial";
 import { Tries } from "./tries";
 
 /** The files that were opened: what is not saved is still there when somebody comes back to it. */
 export class OpenEditors {
-  readonly tries = new Tries();
+  /** The server keeps what the last try said, for the list of files. */
+  readonly tries = new Tries((name, bag, said) => {
+    const tried = { name, bag, kb_per_s: sentKbPerS(said) ?? 0, percent: said.percent };
+    if (this.drafts.canSend()) void refusalOf(() => this.api.ask("PUT /api/file/tried", tried));
+  });
   /** What was left in blocks last and did not come into the text, until somebody read it. */
   readonly lost = signal<LostChanges | null>(null);
   /** What was deleted here and not brought back, the last one at the end. */
@@ -23,7 +28,7 @@ export class OpenEditors {
 
   constructor(
     private readonly api: Api,
-    private readonly drafts: Drafts,
+    private readonly drafts: LocalDrafts,
   ) {}
 
   /** The editor of a rule file: the one with unsaved changes, else a new one. */
@@ -44,15 +49,27 @@ export class OpenEditors {
     return unsavedOrNew(this.profiles, name, () => new ProfileEditor(this.api, name, this.drafts));
   }
 
-  /** The files with changes that are in this browser only; a new one may not be on disk yet. */
-  unsaved(kind: "rules" | "profile"): string[] {
-    const open = [...this[kind === "rules" ? "rules" : "profiles"]].filter(([, editor]) => !editor.isSaved.value);
-    return [...new Set([...open.map(([name]) => name), ...this.drafts.names(kind)])];
+  /** The files with changes that only this page or this browser has; a new one may not be on disk yet. */
+  unsaved(): string[] {
+    const open = [...this.rules, ...this.profiles].filter(([, editor]) => !editor.isSaved.value);
+    return [...open.map(([name]) => name), ...this.drafts.names()];
   }
 
-  /** Whether a reload would lose something: it is not saved, and the browser keeps no draft of it. */
+  /** Gives up what is not saved of a file; of rules a version is kept. */
+  async discard(name: string): Promise<void> {
+    const open = this.rules.get(name) ?? this.profiles.get(name);
+    if (open?.isOpen.peek() && !open.isSaved.peek()) return open.discard();
+    const { draft } = await this.api.draft(name);
+    const known_ids = draft === null ? [] : [draft.id];
+    const asked = { name, root_hash: this.drafts.project, id: "", known_ids, draft: null };
+    for (const each of [this.drafts.takeOver(name), draft])
+      if (each !== null) await this.api.ask("PUT /api/draft", { ...asked, discarded: each.content });
+    this.drafts.drop(name);
+  }
+
+  /** Whether a reload would lose something: the server has no draft of it yet, and the browser has no room for one. */
   get wouldLose(): boolean {
-    return !this.drafts.hasRoom && this.unsaved("rules").length + this.unsaved("profile").length > 0;
+    return !this.drafts.hasRoom && [...this.rules, ...this.profiles].some(([, editor]) => !editor.isKept);
   }
 }
 

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { type Api, ApiError } from "../api/client";
 import type { Preset, ProfileRow, ProfileTable } from "../api/types";
-import type { Drafts } from "./drafts";
+import type { LocalDrafts } from "./drafts";
 import { OpenFile } from "./open_file";
 import {
   type Accuracies,
@@ -29,11 +29,6 @@ interface Table {
   baseText: string;
 }
 
-/** What a draft keeps of it. */
-interface Drafted extends Table {
-  madeFor: string | null;
-}
-
 const NOTHING: ProfileTable = { rows: [{ topic: "" }], budget_kb_per_s: null };
 
 /** A table as text, in one order of its keys, so that equal tables are equal texts. */
@@ -46,7 +41,7 @@ export class ProfileEditor extends OpenFile {
   private readonly table = signal<Table>({ rows: [], budget: "", baseText: "" });
   /** The rule file that the table is made for: it is checked with what is saved of it first. */
   readonly madeFor = signal<string | null>(null);
-  readonly whole = computed<Drafted>(() => ({ ...this.table.value, madeFor: this.madeFor.value }));
+  readonly beside = computed(() => JSON.stringify({ madeFor: this.madeFor.value }));
   readonly rows = computed(() => this.table.value.rows);
   readonly budget = computed(() => this.table.value.budget);
   readonly content = computed(() => packed(this.table.value));
@@ -61,8 +56,8 @@ export class ProfileEditor extends OpenFile {
   private timer: number | undefined;
   private nextKey = 0;
 
-  constructor(api: Api, name: string, drafts: Drafts) {
-    super(api, name, "profile", drafts);
+  constructor(api: Api, name: string, drafts: LocalDrafts) {
+    super(api, name, drafts);
   }
 
   protected override async contentOf(text: string | null): Promise<string> {
@@ -72,8 +67,8 @@ export class ProfileEditor extends OpenFile {
     return packed({ rows: rows.map((row) => this.draftRow(row)), budget, baseText: text ?? "" });
   }
 
-  protected override async written(name: string): Promise<string> {
-    const table = { ...this.finishedTable(), name, base_text: this.typesText };
+  protected override async written(): Promise<string> {
+    const table = { ...this.finishedTable(), name: this.name, base_text: this.typesText };
     return (await this.api.ask("POST /api/profile/write", table)).text;
   }
 
@@ -81,11 +76,22 @@ export class ProfileEditor extends OpenFile {
     this.table.value = JSON.parse(content);
   }
 
-  protected unpacked(draft: string): string | null {
-    const table = draftOf(draft);
-    // The rules that the address names come before those of the draft.
-    this.madeFor.value ??= table?.madeFor ?? null;
+  protected contentOfDraft(draft: string): string | null {
+    const table = tableOf(draft);
     return table && packed({ ...table, rows: table.rows.map((row) => ({ ...row, key: this.nextKey++ })) });
+  }
+
+  protected setBeside(beside: string | null): void {
+    // The rules that the address names come before those of the draft.
+    this.madeFor.value ??= beside === null ? null : ownerOf(beside);
+  }
+
+  protected linesOf(content: string): string {
+    const { rows, budget } = JSON.parse(content) as Table;
+    const cells = rows.map((row) =>
+      [row.topic, row.message_kb, ...row.tiers_hz, row.priority, row.source_hz].join("  "),
+    );
+    return [`budget_kb_per_s ${budget}`, ...cells].join("\n");
   }
 
   protected override asSaved(content: string, baseText: string): string {
@@ -93,19 +99,13 @@ export class ProfileEditor extends OpenFile {
     return packed({ ...JSON.parse(content), baseText });
   }
 
-  protected override async saveBeside(name: string, isNew: boolean): Promise<void> {
-    if (isNew && this.madeFor.value !== null) await this.api.chooseProfile(this.madeFor.value, name);
+  protected override async saveBeside(isNew: boolean): Promise<void> {
+    if (isNew && this.madeFor.value !== null) await this.api.chooseProfile(this.madeFor.value, this.name);
   }
 
   override async open(isThere: boolean): Promise<void> {
     await super.open(isThere);
     if (!this.isSaved.value) await this.check();
-  }
-
-  override async compare(): Promise<void> {
-    const [problem] = this.problems.peek();
-    if (problem === undefined) await super.compare();
-    else this.message.value = `What cannot be saved is not compared. ${problem}`;
   }
 
   /** Replaces the table by one measured in a bag. */
@@ -250,10 +250,20 @@ export class ProfileEditor extends OpenFile {
   }
 }
 
-/** The table that a draft holds; null where it cannot be read. */
-function draftOf(draft: string): Drafted | null {
+/** The rules that the table of a draft was made for. */
+function ownerOf(beside: string): string | null {
   try {
-    const { rows, budget, baseText, madeFor } = JSON.parse(draft) as Drafted;
+    const { madeFor } = JSON.parse(beside) as { madeFor?: unknown };
+    return typeof madeFor === "string" ? madeFor : null;
+  } catch {
+    return null;
+  }
+}
+
+/** The table that a draft holds; null where it cannot be read. */
+function tableOf(draft: string): Table | null {
+  try {
+    const { rows, budget, baseText } = JSON.parse(draft) as Table;
     const isTable = rows.every(
       ({ topic, tiers_hz, accuracies, ...cells }) =>
         typeof topic === "string" &&
@@ -264,7 +274,7 @@ function draftOf(draft: string): Drafted | null {
         ),
     );
     if (!isTable || typeof budget !== "string" || typeof baseText !== "string") return null;
-    return { rows, budget, baseText, madeFor: typeof madeFor === "string" ? madeFor : null };
+    return { rows, budget, baseText };
   } catch {
     return null;
   }

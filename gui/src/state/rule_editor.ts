@@ -5,8 +5,8 @@ import { type Api, type Rules, refusalOf } from "../api/client";
 import type { Edit, FileAnswer, PlacedFinding, Repair, RuleDocument, Statement } from "../api/types";
 import { counted, readable } from "../ui/numbers";
 import { CheckQueue } from "./check_queue";
-import type { Drafts } from "./drafts";
-import { layoutName, type MapSetting, PLAIN_GRID, readLayout, sideFileOf, writeLayout } from "./layout";
+import type { LocalDrafts } from "./drafts";
+import { layoutName, type MapSetting, mapOf, PLAIN_GRID, readLayout, writeLayout } from "./layout";
 import { diskChangeOf, OpenFile } from "./open_file";
 import { Placeholders, worstFirst } from "./placeholders";
 import { Folds, sectionsOf, statementsIn, VocabularyCache } from "./statements";
@@ -82,20 +82,20 @@ export class RuleEditor extends OpenFile {
   /** Takes back a part of a zone that is not in the text yet; whether there was any. */
   takeBack: (() => boolean) | null = null;
 
-  readonly whole = computed(() => ({ text: this.text.value, map: this.map.value }));
+  readonly beside = computed(() => JSON.stringify({ map: this.map.value }));
   override readonly isInFile = computed(() => this.isContentSaved.value && this.map.value === this.savedMap.value);
   override readonly isSaved = computed(() => this.isInFile.value && this.ahead.value.size === 0);
 
   constructor(
     api: Api,
     name: string,
-    drafts: Drafts,
+    drafts: LocalDrafts,
     /** Which rules are folded. */
     readonly folds = new Folds(),
     /** Says what was left in the blocks of this file and did not come into its text. */
     readonly lost = signal<LostChanges | null>(null),
   ) {
-    super(api, name, "rules", drafts);
+    super(api, name, drafts);
   }
 
   /** The file as every call of the server names it. */
@@ -115,16 +115,22 @@ export class RuleEditor extends OpenFile {
     this.text.value = text;
   }
 
-  protected unpacked(draft: string): string | null {
-    const { text, map } = sideFileOf(draft);
-    if (text === undefined) return null;
-    if (JSON.stringify(map) !== JSON.stringify(this.savedMap.value)) this.map.value = map;
+  protected contentOfDraft(text: string): string {
     return text;
   }
 
-  override async dropRestored(): Promise<void> {
-    await super.dropRestored();
-    this.map.value = this.savedMap.value;
+  protected setBeside(beside: string | null): void {
+    const saved = this.savedMap.value;
+    const map = beside === null ? saved : mapOf(beside);
+    this.map.value = JSON.stringify(map) === JSON.stringify(saved) ? saved : map;
+  }
+
+  protected linesOf(text: string): string {
+    return text;
+  }
+
+  protected override get isSettled(): boolean {
+    return this.ahead.value.size === 0;
   }
 
   async useProfile(name: string | null): Promise<void> {
@@ -229,17 +235,11 @@ export class RuleEditor extends OpenFile {
     this.layoutHash = hash;
   }
 
-  protected override async saveBeside(name: string): Promise<void> {
+  protected override async saveBeside(): Promise<void> {
     const map = this.map.value;
-    const isOwn = name === this.name;
-    if (map !== (isOwn ? this.savedMap.value : PLAIN_GRID)) {
-      const hash = await writeLayout(this.api, layoutName(name), map, isOwn ? this.layoutHash : null);
-      if (isOwn) this.layoutHash = hash;
-    }
+    if (map !== this.savedMap.value)
+      this.layoutHash = await writeLayout(this.api, layoutName(this.name), map, this.layoutHash);
     this.savedMap.value = map;
-    // Another file of the same rules is checked with the same topic parameters.
-    const profile = this.profile.value;
-    if (!isOwn && profile !== null) await this.api.chooseProfile(name, profile.name);
   }
 
   protected override lackWords(): string {

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import { effect, signal } from "@preact/signals";
 import type { Rules } from "../api/client";
-import type { FoundFile } from "../api/types";
+import type { FoundFile, TryHeadline } from "../api/types";
 import { BagWork } from "./bag_work";
 import type { FolderTrial, Trial } from "./trial";
+
+/** What a try says first of what was sent. */
+type Sent = Pick<TryHeadline, "after_kb" | "duration_s" | "percent">;
 
 /** The tries of one rule file: they go on, and stay, while other pages are looked at. */
 export class FileTries {
@@ -17,7 +20,8 @@ export class FileTries {
   /** The recording, or the folder with its `/`, that somebody chose; null before. */
   readonly chosen = signal<string | null>(null);
 
-  constructor() {
+  /** `remember` is told what a try on a recording, or on those of a folder, said. */
+  constructor(readonly remember: (bag: string, said: Sent) => void) {
     effect(() => {
       const { value } = this.work.state;
       if (value.kind === "done") this.last.value = value.answer;
@@ -29,8 +33,10 @@ export class FileTries {
 export class Tries {
   private readonly files = new Map<string, FileTries>();
 
+  constructor(private readonly remember: (name: string, bag: string, said: Sent) => void) {}
+
   of(name: string): FileTries {
-    const tries = this.files.get(name) ?? new FileTries();
+    const tries = this.files.get(name) ?? new FileTries((bag, said) => this.remember(name, bag, said));
     this.files.set(name, tries);
     return tries;
   }

@@ -7,7 +7,7 @@ import type { FileAnswer, FoundFile, Project } from "../api/types";
 import { EditorPage } from "../pages/editor";
 import type { PageProps } from "../pages/page_props";
 import { toRoute } from "../route";
-import { type DraftStorage, Drafts } from "../state/drafts";
+import { type DraftStorage, LocalDrafts } from "../state/drafts";
 import { OpenEditors } from "../state/open_editors";
 import { Button } from "../ui/button";
 import { focusPageSoon } from "../ui/dialog";
@@ -20,7 +20,7 @@ export function TourPage({ project, refresh, rules, keptIncidents }: PageProps) 
   const own = useMemo(() => {
     const api = new ExampleApi();
     // No draft is kept of the example.
-    const editors = new OpenEditors(api, new Drafts(FORGETTING, "example", "", async () => new Set()));
+    const editors = new OpenEditors(api, new LocalDrafts(FORGETTING, "example", "", () => false));
     return { api, editors, project: exampleProject(project) };
   }, []);
   useEffect(() => focusPageSoon, []);
@@ -47,6 +47,10 @@ export class ExampleApi extends Api {
 
   override async fileState() {
     return { hash: "" };
+  }
+
+  override async draft() {
+    return { draft: null };
   }
 
   override async save(): Promise<never> {

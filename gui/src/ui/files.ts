@@ -26,6 +26,18 @@ export function folderOf(path: string): string {
   return path.slice(0, path.lastIndexOf("/") + 1);
 }
 
+/** The rows of each folder, those of the project's own first; folders in the order of their first row. */
+export function byFolder<T extends { name: string }>(rows: readonly T[]): ReadonlyMap<string, T[]> {
+  const folders = new Map<string, T[]>();
+  const own = rows.filter(({ name }) => folderOf(name) === "");
+  if (own.length > 0) folders.set("", own);
+  for (const row of rows) {
+    const folder = folderOf(row.name);
+    if (folder !== "") folders.set(folder, [...(folders.get(folder) ?? []), row]);
+  }
+  return folders;
+}
+
 /** Takes a file that is dropped anywhere on the page; without this the browser would leave the page for it. */
 export function useDroppedFile(take: (file: File) => void): void {
   const over = (event: DragEvent) => {

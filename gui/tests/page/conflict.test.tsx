@@ -9,36 +9,23 @@ const MINE = BEFORE.replace("10\n", "10\n    SetFrequency /scan 10\n");
 const THEIRS = BEFORE.replace("10", "7");
 const TABLE = '[topics."/odom"]\nmessage_kb = 0.7\n';
 
-test.each([false, true])("ones own text is saved anyway, where the file is gone: %s", async (isGone) => {
+test.each([false, true])("ones own text is kept, where the file is gone: %s", async (isGone) => {
   const ruler = await openChanged();
   const dialog = await meet(ruler, isGone ? null : THEIRS);
-  await expect.poll(() => dialog.getByRole("button", { name: "Read again" }).length).toBe(isGone ? 0 : 1);
-  await dialog.getByRole("button", { name: "Save anyway" }).click();
+  await expect.poll(() => dialog.getByRole("button", { name: "Take theirs" }).length).toBe(isGone ? 0 : 1);
+  await dialog.getByRole("button", { name: "Keep mine" }).click();
   await expect.element(await ruler.tool("Save")).toBeDisabled();
   expect(await ruler.saved("plain.adirf")).toBe(MINE);
   expect(await onDisk("plain.adirf")).toBe(MINE);
 });
 
-test("both texts are kept under two names", async () => {
-  const ruler = await openChanged({ "zone.adirf": "begin\nend\n" });
-  const dialog = await meet(ruler);
-  const name = dialog.getByRole("textbox");
-  await name.fill("zone");
-  await dialog.getByRole("button", { name: "Save as" }).click();
-  await expect.element(dialog.getByRole("alert")).toHaveTextContent("zone.adirf exists already");
-  await name.fill("mine");
-  await dialog.getByRole("button", { name: "Save as" }).click();
-  await expect.element(page.getByRole("heading", { name: "mine.adirf", level: 1 })).toBeVisible();
-  expect(await onDisk("mine.adirf")).toBe(MINE);
-  expect(await onDisk("plain.adirf")).toBe(THEIRS);
-  await page.getByRole("link", { name: "Rules", exact: true }).click();
-  await ruler.open("plain.adirf");
-  await ruler.expectLines("SetFrequency /odom 7");
-});
-
 test("who looks at it first loses nothing", async () => {
   const ruler = await openChanged();
   const dialog = await meet(ruler);
+  await dialog.getByRole("button", { name: "Look at the difference" }).click();
+  await expect.element(dialog.getByRole("figure", { name: "Theirs" })).toHaveTextContent("SetFrequency /odom 7");
+  await expect.element(dialog.getByRole("figure", { name: "Yours" })).toHaveTextContent("SetFrequency /odom 10");
+  await expect.element(dialog.getByRole("list", { name: "Differences" })).toHaveTextContent("/odom 7 → 10 Hz");
   await dialog.getByRole("button", { name: "Cancel" }).click();
   await expect.element(dialog).not.toBeInTheDocument();
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /");
@@ -59,8 +46,10 @@ test("a table has the same ways out", async () => {
   const size = page.getByLabelText("Message size (KB) of /odom");
   await size.fill("0.9");
   await ruler.saveOver({ "wlan.toml": TABLE.replace("0.7", "0.8") });
-  const dialog = page.getByRole("dialog", { name: "Somebody else changed wlan.toml" });
-  await dialog.getByRole("button", { name: "Read again" }).click();
+  const dialog = page.getByRole("dialog", { name: "wlan.toml was changed elsewhere" });
+  await dialog.getByRole("button", { name: "Look at the difference" }).click();
+  await expect.element(dialog.getByRole("figure", { name: "Yours" })).toHaveTextContent("/odom 0.9");
+  await dialog.getByRole("button", { name: "Take theirs" }).click();
   await expect.element(size).toHaveValue("0.8");
   await expect.element(await ruler.tool("Save")).toBeDisabled();
   await ruler.use("Undo");
@@ -70,8 +59,8 @@ test("a table has the same ways out", async () => {
 });
 
 /** A file to which somebody added a rate. */
-async function openChanged(files = {}): Promise<RulerPage> {
-  const ruler = await openPage("empty", { files: { "plain.adirf": BEFORE, ...files } });
+async function openChanged(): Promise<RulerPage> {
+  const ruler = await openPage("empty", { files: { "plain.adirf": BEFORE } });
   await ruler.open("plain.adirf");
   await ruler.button("New rate").click();
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /");
@@ -82,7 +71,7 @@ async function openChanged(files = {}): Promise<RulerPage> {
 async function meet(ruler: RulerPage, theirs: string | null = THEIRS): Promise<Locator> {
   await ruler.saveOver({ "plain.adirf": theirs });
   const dialog = page.getByRole("dialog");
-  await expect.element(dialog).toHaveTextContent("nothing that you typed is lost");
+  await expect.element(dialog).toHaveTextContent("Nothing that you typed is lost");
   return dialog;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { PROTOCOL_VERSION, type Push } from "../../src/api/types";
 import type { Answered, Asked, Server } from "./answers";
+import { PlayedDrafts } from "./drafts";
 
 /** What the page calls a piece of work, which is another name each time. */
 const RUN = /^\d{13} 0\.\d+(?:e-\d+)?/;
@@ -33,6 +34,7 @@ export class Network {
   private readonly held = new Map<string, { words: string; until: Promise<void> }>();
   private readonly replaced = new Map<string, { answer: Answered | "lost"; isFor: (body: unknown) => boolean }>();
   private readonly asking = new Set<Promise<Answered>>();
+  private readonly drafts = new PlayedDrafts();
   private isCut = false;
   private isClosed = false;
   /** How many pages it had: one that was left gets no answers, and its timers end. */
@@ -174,7 +176,8 @@ export class Network {
     if (this.isCut || otherwise === "lost") throw new TypeError("Failed to fetch");
     if (!route.includes(" /api/")) return new Response();
     try {
-      const answer = otherwise ?? (await this.ask(asked));
+      const answer = otherwise ?? this.drafts.answer(asked) ?? (await this.ask(asked));
+      if (route === "PUT /api/file" && answer.status === 200) this.drafts.saved((asked.body as { name: string }).name);
       for (const one of this.waiting) if (one.route === route) one.done();
       this.waiting = this.waiting.filter((one) => one.route !== route);
       return responseOf(answer);
@@ -242,9 +245,11 @@ async function sent(body: RequestInit["body"]): Promise<unknown> {
   return { base64: btoa(Array.from(bytes, (byte) => String.fromCharCode(byte)).join("")) };
 }
 
-function steady(body: Record<string, unknown>): unknown {
-  const { run } = body ?? {};
-  return typeof run === "string" ? { ...body, run: run.replace(RUN, "run") } : body;
+function steady(body: Record<string, unknown> | null): unknown {
+  // What a draft is called is another each time.
+  const { draft_ids: _, ...kept } = body ?? {};
+  const { run } = kept;
+  return typeof run === "string" ? { ...kept, run: run.replace(RUN, "run") } : body && kept;
 }
 
 function responseOf({ status, json, type, base64 }: Answered): Response {

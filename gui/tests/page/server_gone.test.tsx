@@ -54,21 +54,24 @@ test.each(["other.adirf", "weak_radio.toml"])(
 test("a file that changes on disk is noticed while it is open", async () => {
   const ruler = await openRules();
   await ruler.write({ "rules.adirf": RULES.replace("/odom 5", "/imu 5") });
-  await ruler.shown(page.getByText("rules.adirf was changed on disk and is read again"));
+  await ruler.shown(page.getByText("rules.adirf was changed elsewhere. Undo brings back"));
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /imu 5");
   await ruler.use("Undo");
   await ruler.expectLines("SetFrequency /odom 10", "SetFrequency /odom 5");
   await ruler.write({ "rules.adirf": RULES.replace("/odom 5", "/scan 5") });
-  const notice = page.getByRole("status").filter({ hasText: "Somebody else changed rules.adirf on disk" });
-  await notice.getByRole("button", { name: "Compare" }).click();
-  await ruler.button("Save anyway").click();
+  const notice = page
+    .getByRole("status")
+    .filter({ hasText: "rules.adirf was changed elsewhere; what you changed here is not saved" });
+  await notice.getByRole("button", { name: "Decide" }).click();
+  await ruler.button("Keep mine").click();
   await expect.element(notice).not.toBeInTheDocument();
+  await ruler.use("Save");
   await expect.element(await ruler.tool("Save")).toBeDisabled();
   expect(await onDisk()).toBe(RULES);
   await ruler.write({ "rules.adirf": null });
   await ruler.shown(page.getByText("rules.adirf is no longer on disk: a save writes it."));
   await ruler.use("Save");
-  await ruler.button("Save anyway").click();
+  await ruler.button("Keep mine").click();
   await expect.element(await ruler.tool("Save")).toBeDisabled();
   expect(await onDisk()).toBe(RULES);
 });
@@ -82,7 +85,7 @@ test("a table that changes on disk is noticed while it is open", async () => {
   await expect.element(size).toHaveValue("77.5");
   await size.fill("3");
   await ruler.write({ "radio.toml": TABLE });
-  await ruler.shown(page.getByText("Somebody else changed radio.toml on disk"));
+  await ruler.shown(page.getByText("radio.toml was changed elsewhere; what you changed here is not saved"));
   await expect.element(size).toHaveValue("3");
 });
 

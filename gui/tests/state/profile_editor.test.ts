@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { type Disk, draftsIn, openTable, storage, typeSize } from "./served";
+import { type Disk, openTable, typeSize } from "./served";
 
 const row = (topic: string, message_kb: number | null) => ({ topic, message_kb });
 afterEach(() => {
@@ -9,14 +9,20 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-test("a table with a cell that is no number is not compared, so that nobody saves it without that cell", async () => {
-  const disk = { text: JSON.stringify([row("/odom", 10)]) };
+test("a table with a cell that is no number is compared as it was typed, and kept without being saved", async () => {
+  const disk: Disk = { text: JSON.stringify([row("/odom", 10)]) };
   const editor = await openTable(disk);
   typeSize(editor, 0, "1,250");
   disk.text = JSON.stringify([row("/scan", 3)]);
   await editor.compare();
-  expect([editor.conflict.value, editor.isSaved.value]).toEqual([null, false]);
-  expect(editor.message.value).toContain("“1,250” can mean 1.25 or 1250");
+  expect(editor.conflict.value?.mine).toContain("/odom  1,250");
+  await editor.keepMine();
+  expect([editor.conflict.value, editor.isSaved.value, disk.draft?.content.includes("1,250")]).toEqual([
+    null,
+    false,
+    true,
+  ]);
+  expect(disk.text).toBe(JSON.stringify([row("/scan", 3)]));
 });
 
 test("numbers without a topic are a problem, and an empty row is none", async () => {
@@ -54,34 +60,21 @@ test("a table that was made for rules is theirs, also where it was gone and is s
   editor.setBudget("300");
   disk.text = null;
   await editor.save();
-  await editor.saveAnyway();
+  await editor.keepMine();
   expect(chosen).toEqual([{ name: "a.adirf", profile: "lte.toml" }]);
 });
 
 test("a table that was made for rules is still theirs when it is saved after a reload", async () => {
   vi.useFakeTimers();
-  const kept = storage();
-  const before = await openTable({ text: null }, {}, draftsIn(kept, [], "before"));
+  const disk: Disk = { text: null };
+  const before = await openTable(disk);
   before.madeFor.value = "a.adirf";
   before.setBudget("200");
   await vi.runAllTimersAsync();
   const chosen: unknown[] = [];
-  const disk: Disk = { text: null };
   const more = { "PUT /api/profile/for": (asked: unknown) => void chosen.push(asked) };
-  const after = await openTable(disk, more, draftsIn(kept, [], "after"));
+  const after = await openTable(disk, more);
   expect(after.budget.value).toBe("200");
   await after.save();
   expect(chosen).toEqual([{ name: "a.adirf", profile: "lte.toml" }]);
-});
-
-test("a table that was made for rules is theirs under the other name that it is saved with", async () => {
-  const chosen: unknown[] = [];
-  const more = {
-    "PUT /api/file": () => ({ hash: "new" }),
-    "PUT /api/profile/for": (asked: unknown) => void chosen.push(asked),
-  };
-  const editor = await openTable({ text: "[]" }, more);
-  editor.madeFor.value = "a.adirf";
-  await editor.saveAs("mine.toml");
-  expect(chosen).toEqual([{ name: "a.adirf", profile: "mine.toml" }]);
 });

@@ -3,7 +3,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { PlacedFinding } from "../../src/api/types";
 import { layoutName, PLAIN_GRID } from "../../src/state/layout";
-import { type Answers, type Disk, draftsIn, fileAnswers, openRules, storage } from "./served";
+import { type Answers, type Disk, fileAnswers, openRules } from "./served";
 
 afterEach(() => vi.unstubAllGlobals());
 
@@ -100,7 +100,7 @@ afterEach(() => {
 
 /** How a server answers that has these files. */
 function filesAnswers(disks: Record<string, Disk>): Answers {
-  const routes = ["GET /api/file/state", "GET /api/file", "PUT /api/file"];
+  const routes = ["GET /api/file/state", "GET /api/file", "PUT /api/file", "GET /api/draft", "PUT /api/draft"];
   const answer = (route: string) => (asked: Record<string, string>) => {
     const { name = "" } = asked;
     disks[name] = disks[name] ?? { text: null };
@@ -110,8 +110,8 @@ function filesAnswers(disks: Record<string, Disk>): Answers {
 }
 
 /** Rules that are open, with what the side file of each name says of the map. */
-async function opened(kept = storage(), disks: Record<string, Disk> = { "a.adirf": { text: RULES } }) {
-  const editor = await openRules({ text: null }, filesAnswers(disks), draftsIn(kept));
+async function opened(disks: Record<string, Disk> = { "a.adirf": { text: RULES } }) {
+  const editor = await openRules({ text: null }, filesAnswers(disks));
   const mapOf = (name: string) => JSON.parse(disks[layoutName(name)]?.text ?? "null")?.map ?? null;
   return { editor, disks, mapOf };
 }
@@ -128,26 +128,13 @@ test("a map that was chosen is saved beside its rules, each time that it is anot
   }
 });
 
-test("rules that are saved as other ones take their map along, and none where none was chosen", async () => {
-  const { editor, disks, mapOf } = await opened();
-  await editor.saveAs("b.adirf");
-  editor.map.value = FLOOR;
-  await editor.saveAs("c.adirf");
-  expect(["b.adirf", "c.adirf"].map((name) => [disks[name]?.text, mapOf(name)])).toEqual([
-    [RULES, null],
-    [RULES, FLOOR],
-  ]);
-  expect([mapOf("a.adirf"), editor.isSaved.value]).toEqual([null, true]);
-});
-
 test("a map that was not saved comes back, and is dropped with the rest", async () => {
-  const kept = storage();
-  const { editor, disks } = await opened(kept);
+  const { editor, disks } = await opened();
   editor.map.value = FLOOR;
   editor.type("begin\n// mine\nend\n");
   await vi.runAllTimersAsync();
-  const { editor: again } = await opened(kept, disks);
+  const { editor: again } = await opened(disks);
   expect([again.map.value, again.text.value, again.isSaved.value]).toEqual([FLOOR, "begin\n// mine\nend\n", false]);
-  await again.dropRestored();
+  await again.discard();
   expect([again.map.value, again.text.value, again.isSaved.value]).toEqual([PLAIN_GRID, RULES, true]);
 });

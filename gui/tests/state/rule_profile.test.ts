@@ -3,7 +3,7 @@
 import { afterEach, expect, test, vi } from "vitest";
 import { Api } from "../../src/api/client";
 import { RuleProfile } from "../../src/state/rule_editor";
-import { type Disk, fileAnswers, openRules, serve } from "./served";
+import { type Disk, fileAnswers, serve } from "./served";
 
 const RULES = { text: "begin end", name: "far.adirf", profile_text: null };
 afterEach(() => vi.unstubAllGlobals());
@@ -88,23 +88,4 @@ test("a profile that changes on disk is read again, and one that goes has anothe
   disk.text = null;
   expect(await profile.lookAtDisk(RULES)).toBe(true);
   expect([profile.used.value?.name, profile.gone.value]).toEqual(["wifi.toml", "lte.toml"]);
-});
-
-test("rules that are saved as other ones are checked with the same topic parameters, and a save chooses none", async () => {
-  const chosen: unknown[] = [];
-  const files: Record<string, string> = { "a.adirf": "begin end", "lte.toml": "" };
-  const editor = await openRules(
-    { text: "begin end" },
-    {
-      "POST /api/profile/for": () => ({ name: "lte.toml", gone: null }),
-      "PUT /api/profile/for": (asked) => void chosen.push(asked),
-      "GET /api/file": ({ name = "" }) => ({ name, text: files[name], hash: name }),
-      "PUT /api/file": () => ({ hash: "new" }),
-    },
-  );
-  await vi.waitFor(() => expect(editor.profile.value?.name).toBe("lte.toml"));
-  await editor.save();
-  expect(chosen).toEqual([]);
-  await editor.saveAs("b.adirf");
-  expect(chosen).toEqual([{ name: "b.adirf", profile: "lte.toml" }]);
 });

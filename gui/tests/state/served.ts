@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { vi } from "vitest";
 import { Api } from "../../src/api/client";
-import type { ProfileRow } from "../../src/api/types";
-import { type DraftStorage, Drafts } from "../../src/state/drafts";
+import type { FileDraft, ProfileRow } from "../../src/api/types";
+import { type DraftStorage, LocalDrafts } from "../../src/state/drafts";
 import { ProfileEditor } from "../../src/state/profile_editor";
 import { RuleEditor } from "../../src/state/rule_editor";
 
@@ -34,9 +34,11 @@ export function refused(status: number): Response {
   return new Response(JSON.stringify({ error }), { status });
 }
 
-/** One file on the server's disk; null where none is. */
+/** One file on the server's disk, null where none is, with its draft and what was given up of it. */
 export interface Disk {
   text: string | null;
+  draft?: FileDraft | null;
+  discarded?: string[];
 }
 
 /** How a server reads and saves the only file that it has. */
@@ -46,12 +48,25 @@ export function fileAnswers(name: string, disk: Disk): Answers {
   return {
     "GET /api/file/state": (asked) => ({ hash: isThere(asked) ? hashOf(disk.text) : null }),
     "GET /api/file": (asked) => (isThere(asked) ? { name, text: disk.text, hash: hashOf(disk.text) } : refused(404)),
-    "PUT /api/file": ({ text = "", base_hash }) => {
-      if (base_hash !== hashOf(disk.text)) return refused(409);
-      disk.text = text;
+    "PUT /api/file": ({ text = "", base_hash, draft_ids }) => {
+      if (base_hash !== hashOf(disk.text) || !isKnown(disk, draft_ids)) return refused(409);
+      Object.assign(disk, { text, draft: null });
       return { hash: hashOf(text) };
     },
+    "GET /api/draft": (asked) => ({ draft: (asked.name === name && disk.draft) || null }),
+    "PUT /api/draft": ({ id = "", known_ids, draft, discarded }) => {
+      if (typeof discarded === "string") disk.discarded = [...(disk.discarded ?? []), discarded];
+      if (draft !== null && !isKnown(disk, known_ids)) return refused(409);
+      if (draft !== null) disk.draft = { ...(draft as unknown as FileDraft), id, changed_at_ms: Date.now() };
+      else if (isKnown(disk, known_ids)) disk.draft = null;
+      return { draft: disk.draft };
+    },
   };
+}
+
+/** Whether a page that knows drafts of these ids knows the one that there is. */
+function isKnown({ draft }: Disk, ids: unknown): boolean {
+  return !draft || (ids as string[]).includes(draft.id);
 }
 
 /** A browser's storage. */
@@ -68,9 +83,11 @@ export function storage(): DraftStorage {
   };
 }
 
-/** The drafts of this tab, beside those of `others` that are open. */
-export const draftsIn = (kept = storage(), others: string[] = [], tab = "tab") =>
-  new Drafts(kept, "shelf", tab, async () => new Set(others));
+let pages = 0;
+
+/** What a page keeps in a browser; the server takes drafts where `canSend`. */
+export const draftsIn = (kept = storage(), canSend = () => true) =>
+  new LocalDrafts(kept, "shelf", `page ${pages++}`, canSend);
 
 /** A rule file that is open, of a server that answers `more` as well. */
 export async function openRules(disk: Disk, more: Answers = {}, drafts = draftsIn()): Promise<RuleEditor> {

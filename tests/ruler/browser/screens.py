@@ -167,13 +167,15 @@ def at_conflict(ruler: RulerPage) -> None:
     ruler.page.evaluate(
         """async (text) => {
             const {hash} = await (await fetch("api/file?name=far.adirf")).json();
+            const {draft} = await (await fetch("api/draft?name=far.adirf")).json();
+            const known = draft ? [draft.id] : [];
             await fetch("api/file", {method: "PUT", headers: {"Content-Type": "application/json"},
-                body: JSON.stringify({name: "far.adirf", text, base_hash: hash})});
+                body: JSON.stringify({name: "far.adirf", text, base_hash: hash, draft_ids: known})});
         }""",
         THEIRS,
     )
     ruler.tool("Save").click()
-    ruler.page.get_by_role("dialog", name="Somebody else changed").wait_for()
+    ruler.page.get_by_role("dialog", name="was changed elsewhere").wait_for()
     ruler.forgive("409")
 
 

@@ -122,7 +122,7 @@ def test_a_conflict_that_is_left_gives_the_focus_back(ruler: RulerPage) -> None:
 
 def test_the_focus_is_on_the_page_where_the_button_of_a_dialog_is_disabled_now(ruler: RulerPage) -> None:
     at_conflict(ruler)
-    ruler.button("Read again").click()
+    ruler.button("Take theirs").click()
     expect(ruler.page.get_by_role("heading", name="far.adirf", level=1)).to_be_focused()
 
 

@@ -19,9 +19,10 @@ THEIRS = BEFORE.replace("10", "7")
 @pytest.mark.journey
 def test_their_text_is_taken_and_undo_brings_ones_own_back(ruler: RulerPage, project: Path) -> None:
     dialog = _meet(ruler, project)
+    dialog.get_by_role("button", name="Look at the difference").click()
     expect(dialog.get_by_role("figure", name="Theirs")).to_contain_text("SetFrequency /odom 7")
     expect(dialog.get_by_role("figure", name="Yours")).to_contain_text("SetFrequency /odom 10")
-    dialog.get_by_role("button", name="Read again").click()
+    dialog.get_by_role("button", name="Take theirs").click()
     expect(dialog).to_be_hidden()
     expect(ruler.text).to_contain_text("SetFrequency /odom 7")
     expect(ruler.tool("Save")).to_be_disabled()
@@ -41,6 +42,6 @@ def _meet(ruler: RulerPage, project: Path) -> Locator:
     (project / "plain.adirf").write_text(THEIRS)
     ruler.tool("Save").click()
     dialog = ruler.page.get_by_role("dialog")
-    expect(dialog).to_contain_text("nothing that you typed is lost")
+    expect(dialog).to_contain_text("Nothing that you typed is lost")
     ruler.forgive("409")
     return dialog

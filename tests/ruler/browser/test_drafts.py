@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 # SPDX-License-Identifier: Apache-2.0
-"""What was not saved comes back after a reload, a crash of the tab, and a server that was gone."""
+"""What was not saved is in the project and opens in any browser; the file has it once somebody saves."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import pytest
 from playwright.sync_api import Error, Locator, expect
 
+from link.zenoh.ends import until
 from ruler.browser.ruler_page import RulerPage, served
 
 if TYPE_CHECKING:
@@ -24,98 +25,129 @@ PROFILE = '# Our radio.\n[topics."/odom"]\nmessage_kb = 0.7\n'
 
 
 @pytest.mark.journey
-def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Path) -> None:
+def test_what_is_typed_opens_in_another_browser_and_reaches_the_file_by_a_save(
+    ruler: RulerPage, project: Path, browser: Browser
+) -> None:
     _type(ruler, project)
-    ruler.page.reload()
-    _expect_restored(ruler)
-    ruler.save()
-    expect(_notice(ruler)).to_have_count(0)
+    _await_draft(project)
+    assert (project / "plain.adirf").read_text() == RULES
+    with browser.new_context() as context:
+        other = RulerPage(context.new_page(), ruler.url)
+        other.home()
+        row = other.page.get_by_role("listitem").filter(has_text="plain.adirf")
+        expect(row).to_contain_text("draft, not saved")
+        other.open("plain.adirf")
+        _expect_restored(other)
+        other.save()
+        expect(_notice(other)).to_have_count(0)
     assert (project / "plain.adirf").read_text() == MINE
+    assert not _draft_file(project).exists()
     ruler.page.reload()
     ruler.expect_lines(TYPED)
     expect(ruler.tool("Save")).to_be_disabled()
     expect(_notice(ruler)).to_have_count(0)
+
+
+def test_every_key_stroke_is_there_after_a_reload(ruler: RulerPage, project: Path) -> None:
+    _type(ruler, project)
+    ruler.page.reload()
+    _expect_restored(ruler)
 
 
 def test_a_tab_that_crashed_loses_nothing(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
     crashed = ruler.page
-    _await_draft(ruler)
+    _await_draft(project)
     with crashed.expect_event("crash"), suppress(Error):
         crashed.goto("chrome://crash")
     next_page = RulerPage(crashed.context.new_page(), ruler.url)
     next_page.home()
-    expect(next_page.page.get_by_role("listitem").filter(has_text="plain.adirf")).to_contain_text("not saved")
     next_page.open("plain.adirf")
     _expect_restored(next_page)
 
 
-def test_a_server_that_was_gone_costs_nothing(browser: Browser, project: Path, ruler_port: int) -> None:
-    context = browser.new_context()
-    with served(project, ruler_port) as url:
-        ruler = RulerPage(context.new_page(), url)
-        ruler.home()
-        _open(ruler, project)
-        expect(ruler.button("New rate")).to_be_enabled()
-    _type_line(ruler)
-    # A save that is still under way would reach the server that comes next.
-    with ruler.page.expect_event("requestfailed", lambda request: request.method == "PUT"):
-        ruler.page.keyboard.press("Control+s")
-    expect(ruler.page.get_by_text("not saved", exact=True)).to_be_visible()
-    with served(project, ruler_port):
-        ruler.page.reload()
-        _expect_restored(ruler)
-        ruler.save()
-    assert (project / "plain.adirf").read_text() == MINE
-    context.close()
+def test_a_server_that_is_killed_while_somebody_types_costs_nothing(
+    browser: Browser, project: Path, ruler_port: int
+) -> None:
+    with browser.new_context() as context:
+        with served(project, ruler_port) as url:
+            ruler = RulerPage(context.new_page(), url)
+            ruler.home()
+            _open(ruler, project)
+            expect(ruler.button("New rate")).to_be_enabled()
+            _type_line(ruler, TYPED[:8])
+        ruler.page.keyboard.type(TYPED[8:])
+        with served(project, ruler_port):
+            # Nobody does anything.
+            _await_draft(project)
+            assert (project / "plain.adirf").read_text() == RULES
+        ruler.page.keyboard.type("3")
+        with served(project, ruler_port):
+            ruler.page.reload()
+            ruler.expect_lines(f"{TYPED}3")
+            ruler.save()
+        assert (project / "plain.adirf").read_text() == MINE.replace(TYPED, f"{TYPED}3")
 
 
-def test_restored_changes_are_dropped_and_undo_brings_them_back(ruler: RulerPage, project: Path) -> None:
+def test_a_draft_is_discarded_and_a_version_has_it(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
     ruler.page.reload()
     _expect_restored(ruler)
-    ruler.button("Drop them").click()
+    ruler.button("Discard").click()
     expect(ruler.text).not_to_contain_text(TYPED)
     expect(ruler.tool("Save")).to_be_disabled()
     expect(_notice(ruler)).to_have_count(0)
+    until(lambda: not _draft_file(project).exists())
+    (kept,) = (project / ".testudo" / "versions" / "plain.adirf").glob("*.adirf")
+    assert kept.read_text() == MINE
     ruler.tool("Undo").click()
     ruler.expect_lines(TYPED)
 
 
-def test_a_restored_file_that_somebody_else_changed_is_compared_first(
-    ruler: RulerPage, project: Path
-) -> None:
+def test_a_draft_is_discarded_from_the_list(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
+    _await_draft(project)
+    ruler.home()
+    ruler.button("More for plain.adirf").click()
+    ruler.page.get_by_role("menuitem", name="Discard the draft").click()
+    row = ruler.page.get_by_role("listitem").filter(has_text="plain.adirf")
+    expect(row).not_to_contain_text("not saved")
+    assert not _draft_file(project).exists()
+    ruler.open("plain.adirf")
+    ruler.expect_lines("SetFrequency /odom 10")
+    expect(ruler.text).not_to_contain_text(TYPED)
+
+
+def test_a_draft_of_a_file_that_was_changed_since_is_asked_about(ruler: RulerPage, project: Path) -> None:
+    _type(ruler, project)
+    _await_draft(project)
+    ruler.home()
     (project / "plain.adirf").write_text(THEIRS)
-    ruler.page.reload()
-    _expect_restored(ruler)
-    expect(_notice(ruler)).to_contain_text("Somebody else changed the file")
-    ruler.button("Compare").click()
-    dialog = ruler.page.get_by_role("dialog", name="Somebody else changed plain.adirf")
+    ruler.open("plain.adirf")
+    dialog = ruler.page.get_by_role("dialog", name="plain.adirf was changed elsewhere")
+    dialog.get_by_role("button", name="Look at the difference").click()
     expect(dialog.get_by_role("figure", name="Theirs")).to_contain_text("SetFrequency /odom 7")
-    dialog.get_by_role("button", name="Cancel").click()
-    ruler.tool("Save").click()
-    dialog.get_by_role("button", name="Save anyway").click()
-    expect(ruler.tool("Save")).to_be_disabled()
+    dialog.get_by_role("button", name="Keep mine").click()
+    expect(dialog).to_have_count(0)
+    assert (project / "plain.adirf").read_text() == THEIRS
+    ruler.save()
     assert (project / "plain.adirf").read_text() == MINE
-    ruler.forgive("409")
 
 
-def test_two_tabs_keep_what_was_typed_in_each(ruler: RulerPage, project: Path) -> None:
+def test_two_tabs_go_on_with_one_draft(ruler: RulerPage, project: Path) -> None:
     _type(ruler, project)
-    _await_draft(ruler)
+    _await_draft(project)
     other = RulerPage(ruler.page.context.new_page(), ruler.url)
     other.home()
     other.open("plain.adirf")
-    expect(other.page.get_by_text("Another tab has unsaved changes of plain.adirf")).to_be_visible()
-    expect(other.text).not_to_contain_text(TYPED)
+    other.expect_lines("SetFrequency /odom 10", TYPED)
     _type_line(other, "SetFrequency /imu 2")
-    for each, line in ((other, "SetFrequency /imu 2"), (ruler, TYPED)):
-        each.page.reload()
-        each.expect_lines(line)
+    ruler.page.bring_to_front()
+    ruler.expect_lines("SetFrequency /odom 10", "SetFrequency /imu 2", TYPED)
+    expect(ruler.page.get_by_text("was changed elsewhere; what you")).to_have_count(0)
 
 
-def test_the_table_is_there_after_a_reload(ruler: RulerPage, project: Path) -> None:
+def test_half_a_number_of_a_table_is_there_after_a_reload(ruler: RulerPage, project: Path) -> None:
     (project / "wlan.toml").write_text(PROFILE)
     ruler.home()
     ruler.page.get_by_role("link", name="wlan.toml", exact=True).click()
@@ -124,6 +156,7 @@ def test_the_table_is_there_after_a_reload(ruler: RulerPage, project: Path) -> N
     ruler.page.reload()
     expect(size).to_have_value("0,")
     expect(_notice(ruler)).to_be_visible()
+    assert (project / "wlan.toml").read_text() == PROFILE
     size.fill("0,9")
     ruler.save()
     assert (project / "wlan.toml").read_text() == PROFILE.replace("0.7", "0.9")
@@ -136,6 +169,7 @@ def test_a_table_for_rules_is_theirs_though_it_is_opened_from_the_list(
     (project / "wlan.toml").write_text(PROFILE)
     ruler.page.goto(f"{ruler.url}#/topics/lift.toml?rules=aisle.adirf")
     ruler.page.get_by_label("Message size (KB) of /lift").fill("0.5")
+    _await_draft(project, "lift.toml", "0.5")
     ruler.page.get_by_role("link", name="Rules", exact=True).click()
     ruler.page.reload()
     ruler.page.get_by_role("link", name="lift.toml", exact=True).click()
@@ -146,8 +180,25 @@ def test_a_table_for_rules_is_theirs_though_it_is_opened_from_the_list(
     expect(ruler.page.get_by_label("Topic parameters")).to_have_value("lift.toml")
 
 
-def test_a_browser_without_room_says_so_and_asks_before_a_reload(ruler: RulerPage, project: Path) -> None:
+def test_a_disk_without_room_leaves_what_is_typed_to_the_browser_and_says_so(
+    ruler: RulerPage, project: Path
+) -> None:
+    (project / ".testudo").write_text("in the way")
+    _type(ruler, project)
+    expect(
+        ruler.page.get_by_text("The draft is in this browser only. The draft cannot be written")
+    ).to_be_visible()
+    ruler.page.reload()
+    _expect_restored(ruler)
+    (project / ".testudo").unlink()
+    _await_draft(project)
+    expect(ruler.page.get_by_text("in this browser only")).to_have_count(0)
+    ruler.forgive("422")
+
+
+def test_without_room_anywhere_a_reload_is_asked_about(ruler: RulerPage, project: Path) -> None:
     ruler.page.evaluate("() => { Storage.prototype.setItem = () => { throw new Error('full') } }")
+    (project / ".testudo").write_text("in the way")
     _open(ruler, project)
     _type_line(ruler)
     expect(ruler.page.get_by_text("This browser has no room for drafts")).to_be_visible()
@@ -156,6 +207,7 @@ def test_a_browser_without_room_says_so_and_asks_before_a_reload(ruler: RulerPag
     assert asked.value.type == "beforeunload"
     asked.value.dismiss()
     ruler.expect_lines(TYPED)
+    ruler.forgive("422")
 
 
 def _open(ruler: RulerPage, project: Path) -> None:
@@ -176,15 +228,18 @@ def _type_line(ruler: RulerPage, line: str = TYPED) -> None:
     ruler.page.keyboard.type(f"\n{line}")
 
 
-def _await_draft(ruler: RulerPage) -> None:
-    """Wait until the browser keeps what was typed, which it does a moment later."""
-    ruler.page.wait_for_function(
-        "word => Object.values(localStorage).some(each => each.includes(word))", arg=TYPED
-    )
+def _draft_file(project: Path, name: str = "plain.adirf") -> Path:
+    return project / ".testudo" / "drafts" / f"{name}.json"
+
+
+def _await_draft(project: Path, name: str = "plain.adirf", words: str = TYPED) -> None:
+    """Wait until the server keeps what was typed, which it does a moment later."""
+    draft = _draft_file(project, name)
+    until(lambda: draft.exists() and words in draft.read_text())
 
 
 def _notice(ruler: RulerPage) -> Locator:
-    return ruler.page.get_by_role("status").filter(has_text="Your unsaved changes")
+    return ruler.page.get_by_role("status").filter(has_text="This is the draft of")
 
 
 def _expect_restored(ruler: RulerPage) -> None:

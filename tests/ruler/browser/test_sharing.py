@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Locator, expect
 
-from ruler.browser.ruler_page import RulerPage
+from ruler.browser.ruler_page import GRIP_PX, RulerPage
 
 MINE = """\
 begin
@@ -68,6 +68,23 @@ def test_rules_of_another_file_come_with_a_word_about_whom_they_meet(ruler: Rule
     ruler.tool("Undo").click()
     expect(ruler.text).not_to_contain_text("Aisle")
     expect(ruler.tool("Undo")).to_be_disabled()
+
+
+def test_a_rule_that_is_copied_is_pasted_into_another_file(ruler: RulerPage, project: Path) -> None:
+    (project / "mine.adirf").write_text(MINE)
+    (project / "theirs.adirf").write_text(THEIRS)
+    ruler.home()
+    ruler.open("theirs.adirf")
+    ruler.blocks.get_by_role("figure", name="Aisle").click(position={"x": GRIP_PX, "y": GRIP_PX})
+    ruler.page.keyboard.press("Control+c")
+    ruler.page.get_by_role("link", name="Rules", exact=True).click()
+    ruler.open("mine.adirf")
+    ruler.blocks.get_by_role("figure", name="Bay").click(position={"x": GRIP_PX, "y": GRIP_PX})
+    ruler.page.keyboard.press("Control+v")
+    ruler.expect_lines("SetFrequency /odom 10", "Bay", "Aisle", "CheckValue /odom pose_y > 1")
+    ruler.save()
+    assert 'Rule "Aisle"' in (project / "mine.adirf").read_text()
+    assert (project / "theirs.adirf").read_text() == THEIRS
 
 
 def _item(dialog: Locator, name: str) -> Locator:

@@ -33,12 +33,14 @@ def test_a_version_is_compared_and_brought_back_as_a_new_one(ruler: RulerPage, p
     expect(versions.nth(1).get_by_role("figure", name="Open now")).to_contain_text("SetFrequency /odom 5")
     assert violations(ruler.page) == []
     versions.nth(1).get_by_role("button", name="Bring back").click()
-    # What was not saved yet is a version, too.
-    expect(versions).to_have_count(4)
-    expect(versions.nth(0)).to_contain_text("default: /odom 5 → 10 Hz")
-    expect(versions.nth(1)).to_contain_text("default: /odom 7 → 5 Hz")
+    # What was not saved yet is a version, and the file waits for a save.
+    expect(versions).to_have_count(3)
+    expect(versions.nth(0)).to_contain_text("default: /odom 7 → 5 Hz")
+    ruler.expect_lines("SetFrequency /odom 10")
+    assert (project / "plain.adirf").read_text() == SLOWER
+    ruler.page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    ruler.save()
     assert (project / "plain.adirf").read_text() == RULES
-    expect(ruler.tool("Save")).to_be_disabled()
 
 
 def test_a_conflict_says_in_words_what_differs(ruler: RulerPage, project: Path) -> None:
@@ -47,14 +49,17 @@ def test_a_conflict_says_in_words_what_differs(ruler: RulerPage, project: Path) 
     (project / "plain.adirf").write_text(SLOWER)
     ruler.tool("Save").click()
     dialog = ruler.page.get_by_role("dialog")
+    dialog.get_by_role("button", name="Look at the difference").click()
     expect(dialog.get_by_role("list", name="Differences")).to_have_text("default: /odom 7 → 9 Hz")
     ruler.forgive("409")
-    dialog.get_by_role("button", name="Save anyway").click()
+    dialog.get_by_role("button", name="Keep mine").click()
     ruler.tool("Versions").click()
     expect(_versions(ruler).nth(0)).to_contain_text("default: /odom 7 → 9 Hz")
     # Theirs, which was replaced, can be brought back.
     _versions(ruler).nth(1).get_by_role("button", name="Bring back").click()
-    expect(_versions(ruler)).to_have_count(3)
+    ruler.expect_lines("SetFrequency /odom 7")
+    ruler.page.get_by_role("dialog").get_by_role("button", name="Close").click()
+    ruler.save()
     assert (project / "plain.adirf").read_text() == SLOWER
 
 

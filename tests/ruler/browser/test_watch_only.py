@@ -72,11 +72,9 @@ def test_what_a_save_would_do_is_off_where_somebody_compares_or_optimizes(
     _expect_off(page.get_by_role("button", name="would do"))
     ruler.change("Edit rate: 5", "7")
     (project / "patrol.adirf").write_text(RULES.replace("5", "9"))
-    page.get_by_role("button", name="Compare", exact=True).click()
-    ways = page.get_by_role("dialog", name="Somebody else changed patrol.adirf")
-    expect(ways.get_by_role("button", name="Save as", exact=True)).to_be_disabled()
-    _expect_off(ways.get_by_role("button", name="Save anyway"))
-    ways.get_by_role("button", name="Read again").click()
+    page.get_by_role("button", name="Decide", exact=True).click()
+    ways = page.get_by_role("dialog", name="patrol.adirf was changed elsewhere")
+    ways.get_by_role("button", name="Take theirs").click()
     ruler.expect_lines("SetFrequency /odom 9")
 
 

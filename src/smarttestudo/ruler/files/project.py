@@ -17,6 +17,7 @@ from smarttestudo import __version__
 from smarttestudo.domain.errors import TestudoError
 from smarttestudo.files.input_file import read_input
 from smarttestudo.files.whole_file import not_written, whole_file
+from smarttestudo.ruler.files.drafts import DraftStore
 from smarttestudo.ruler.files.project_folder import (
     ChangedFileError,
     FileKind,
@@ -139,11 +140,15 @@ class FileOnDisk(Struct, frozen=True, kw_only=True):
 
 
 class SaveRequest(Struct, frozen=True, kw_only=True):
-    """A text to be saved; ``base_hash`` is what the editor read; null where the file must not exist yet."""
+    """A text to be saved; ``base_hash`` is what the editor read; null where the file must not exist yet.
+
+    ``draft_ids`` are the drafts of the file that the editor knows: the text takes their place, too.
+    """
 
     name: str
     text: str
     base_hash: str | None = None
+    draft_ids: tuple[str, ...] = ()
 
 
 class SaveAnswer(Struct, frozen=True, kw_only=True):
@@ -215,12 +220,21 @@ def file_state(name: str, folder: ProjectFolder) -> FileOnDisk:
 
 
 @job("PUT /api/file")
-def save(request: SaveRequest, folder: ProjectFolder, versions: VersionStore) -> SaveAnswer:
-    """Write one text file; of a rule file, what was and what is there are kept as versions."""
+def save(
+    request: SaveRequest, folder: ProjectFolder, drafts: DraftStore, versions: VersionStore
+) -> SaveAnswer:
+    """Write one text file, which has no draft then; of rules, what was and what is there become versions."""
     name = request.name
-    is_rules = folder.kind(name) is FileKind.RULES
+    kind = folder.kind(name)
+    is_rules, has_draft = kind is FileKind.RULES, kind in (FileKind.RULES, FileKind.PROFILE)
+    if has_draft:
+        drafts.require_known(name, request.draft_ids)
     before = _before(request, folder) if is_rules else None
     sha256 = folder.write(name, request.text, request.base_hash)
+    if has_draft:
+        # A page drops once more what stays.
+        with suppress(TestudoError):
+            drafts.drop(name, request.draft_ids)
     try:
         if before is not None:
             versions.keep(name, before.text, before.changed_at_ms)

@@ -32,7 +32,7 @@ from smarttestudo.ruler.files.project_folder import (
 from smarttestudo.ruler.job import TextAnswer, job
 
 VERSIONS_FOLDER = ".testudo/versions"
-MAX_VERSIONS = 50
+MAX_VERSIONS = 20
 _ID = re.compile(r"(\d{8}T\d{9})Z(?:-auto)?\Z", re.ASCII)
 """Those that an older page saved without being asked end in ``-auto``."""
 _STAMP = "%Y%m%dT%H%M%S"
@@ -50,7 +50,7 @@ class KeptVersion:
 
 
 class VersionStore:
-    """The last 50 versions of each rule file of ``folder``, a file each.
+    """The last 20 versions of each rule file of ``folder``, a file each.
 
     ``now_s`` is the time in seconds since 1970.
     """
@@ -90,7 +90,7 @@ class VersionStore:
     def keep(self, name: str, text: str, saved_at_ms: int | None = None) -> None:
         """Keep ``text``, which was saved now where nothing else is said, unless it is the newest already.
 
-        The oldest beyond 50 are removed. Raises ``OutputFileError`` where it cannot be written.
+        The oldest beyond 20 are removed. Raises ``OutputFileError`` where it cannot be written.
         """
         place = self._place(name)
         saved_at_ms = int(self._now_s() * 1000) if saved_at_ms is None else saved_at_ms

@@ -21,6 +21,7 @@ from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.types import ASGIApp
 
 from smarttestudo.domain.errors import PortError, TestudoError
+from smarttestudo.ruler.files.drafts import DraftStore
 from smarttestudo.ruler.files.project import SettingsFile
 from smarttestudo.ruler.files.project_folder import ProjectFolder
 from smarttestudo.ruler.files.versions import VersionStore
@@ -36,6 +37,7 @@ from smarttestudo.ruler.server.processes import Processes
 from smarttestudo.ruler.server.routes import GONE, MAX_BODY_BYTES, error_answer, job_route
 from smarttestudo.ruler.topics.vocabulary import RobotTopics
 from smarttestudo.ruler.tries.keep import Keeps
+from smarttestudo.ruler.tries.summary import FileLoads, LastTries
 
 
 def ruler_app(
@@ -56,6 +58,9 @@ def ruler_app(
         ProjectFolder: folder,
         SettingsFile: SettingsFile(folder),
         VersionStore: VersionStore(folder),
+        DraftStore: DraftStore(folder),
+        LastTries: LastTries(folder),
+        FileLoads: FileLoads(),
         CheckedTexts: CheckedTexts(),
         Keeps: keeps,
         RobotIncidents: robot_incidents,
