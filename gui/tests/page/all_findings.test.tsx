@@ -38,6 +38,32 @@ end
   await expect.element(rows().first()).toHaveTextContent("Error");
 });
 
+test("a misspelled name is found in the list and on its very block", async () => {
+  const ruler = await openRules(
+    `\
+begin
+    SetFrequency /sacn 5
+
+    Rule "Close"
+    If CheckValue /odmo pose_x > 1
+    Then
+        SetFrequency /odom 3
+    EndIf
+end
+`,
+    `${PROFILE}[topics."/scan"]\nmessage_kb = 1\nsource_hz = 10\ntiers_hz = [1, 2, 3, 4, 5, 8]\n`,
+  );
+  const mark = (block: string) =>
+    ruler.blocks.getByRole("figure", { name: block }).getByCss(":scope > .finding-mark").first();
+  for (const [block, wrong, right] of [
+    ["set frequency of, /sacn", "/sacn", "/scan"],
+    ["/odmo, pose_x", "/odmo", "/odom"],
+  ] as const) {
+    await ruler.shown(row(wrong).filter({ hasText: right }).first());
+    await ruler.shown(mark(block));
+  }
+});
+
 test("rules that break the budget together are found, by their names, and limited to warnings", async () => {
   const ruler = await openRules(`\
 begin
@@ -89,8 +115,8 @@ end
   expect(row("Error").length).toBe(0);
 });
 
-async function openRules(text: string): Promise<RulerPage> {
-  const ruler = await openPage("empty", { files: { "radio.adirf": text, "radio.toml": PROFILE } });
+async function openRules(text: string, profile = PROFILE): Promise<RulerPage> {
+  const ruler = await openPage("empty", { files: { "radio.adirf": text, "radio.toml": profile } });
   await ruler.open("radio.adirf");
   await expect.element(page.getByLabelText("Topic parameters")).toHaveValue("radio.toml");
   return ruler;
