@@ -38,7 +38,8 @@ test("a zone is one part by its name, in whose place another of the file can be"
   const ruler = await openZones();
   expect(ruler.blocks.getByRole("button", { name: /^Edit value/ })).toHaveLength(1);
   await (await zone(ruler, "Corridor")).click();
-  const words = page.getByRole("option").elements();
+  await ruler.shown(option("Bay"));
+  const words = page.getByCss(".blocklyDropDownContent [role=option]").elements();
   expect(words.map((each) => each.textContent)).toEqual(["Corridor", "Bay", "Draw on the map", "Show the numbers"]);
   await option("Bay").click();
   await ruler.expectLines("pose_y < 3.5", "pose_y > 0", "pose_x >= 10", "pose_x < 14", "SetFrequency /odom 4");
@@ -94,9 +95,21 @@ function zone(ruler: RulerPage, name: string): Promise<Locator> {
 
 /** Opens the list of a zone and takes a line of it, by keys. */
 async function choose(ruler: RulerPage, name: string, line: string): Promise<void> {
-  await ruler.press(await zone(ruler, name), "Enter");
+  await commands.press("/");
+  await commands.type(name);
+  await ruler.shown(page.getByRole("option", { name: `Rule ${name}` }));
+  await commands.press("Enter");
+  await ruler.awaitFocus(`rule, ${name}`);
+  await ruler.walk("ArrowDown", `inside, ${name}`);
+  await ruler.walk("ArrowRight", `zone: ${name}`);
+  await commands.press("Enter");
   await ruler.shown(option(line));
-  await ruler.walk("ArrowDown", line);
+  // Where the list points is said of the list, which has the focus.
+  const pointedAt = () => {
+    const id = document.activeElement?.getAttribute("aria-activedescendant");
+    return id ? document.getElementById(id)?.textContent : "";
+  };
+  for (let step = 0; step < 6 && pointedAt() !== line; step++) await commands.press("ArrowDown");
   await commands.press("Enter");
 }
 

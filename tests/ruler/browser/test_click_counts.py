@@ -133,7 +133,7 @@ def test_a_file_with_everything_is_made_without_a_mouse(ruler: RulerPage, projec
     ruler.page.get_by_role("option", name="Zone 1").first.wait_for()
     me.press("Enter")
     me.await_focus("Begin stack, rule, Zone 1")
-    me.walk("ArrowDown", "inside, Zone 1")
+    me.walk("ArrowDown", " inside, Zone 1")
     me.walk("ArrowRight", "Add time")
     me.press("Enter")
     _type_time(ruler, me)
