@@ -44,7 +44,7 @@ test("a name that neither robot, recording nor profile has is marked", async () 
   await commands.press("Enter");
   await ruler.expectLines("SetFrequency /sacn 4");
   await (await ruler.field("Edit topic to send: /sacn")).click();
-  await expect.element(option("/sacn")).toHaveTextContent("not on the robot, in the recording or the profile");
+  await expect.element(option("/imu")).toHaveTextContent("not on the robot, in the recording or the profile");
   await expect.element(option("/odom")).toHaveTextContent("20 Hz in dock.toml");
 });
 
