@@ -34,6 +34,8 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
     if (zones.redrawn.value) {
       tool.value = "rectangle";
       showOnNarrow(() => panel.current);
+      // From the blocks, where Escape and the numbers of the zone would be far.
+      requestAnimationFrame(() => panel.current?.querySelector<HTMLElement>(".map-tools button")?.focus());
     } else if (zones.draft.value === null) tool.value = "choose";
   });
   useEffect(() => {

@@ -40,7 +40,7 @@ test("a zone is one part by its name, in whose place another of the file can be"
   await (await zone(ruler, "Corridor")).click();
   await ruler.shown(option("Bay"));
   const words = page.getByCss(".blocklyDropDownContent [role=option]").elements();
-  expect(words.map((each) => each.textContent)).toEqual(["Corridor", "Bay", "Draw on the map", "Show the numbers"]);
+  expect(words.map((each: Element) => each.textContent)).toEqual(["Corridor", "Bay", "Draw on the map", "Show the numbers"]);
   await option("Bay").click();
   await ruler.expectLines("pose_y < 3.5", "pose_y > 0", "pose_x >= 10", "pose_x < 14", "SetFrequency /odom 4");
   await expect.poll(() => ruler.blocks.getByRole("button", { name: "zone: Corridor" }).length).toBe(2);
@@ -71,6 +71,14 @@ test("a zone is drawn anew on the map in the place of its numbers", async () => 
   await (await zone(ruler, "Bay")).click();
   await option("Draw on the map").click();
   await expect.element(ruler.button("Draw a rectangle")).toHaveAttribute("aria-pressed", "true");
+  await expect.element(ruler.button("Draw a rectangle")).toHaveFocus();
+  const hint = getComputedStyle(await page.getByText("Press where one corner is").findElement());
+  expect(hint.color).not.toBe(hint.backgroundColor);
+  await commands.press("Escape");
+  await expect.element(ruler.button("Draw a rectangle")).toHaveAttribute("aria-pressed", "false");
+  await page.getByRole("tab", { name: "Text" }).click();
+  await (await zone(ruler, "Bay")).click();
+  await option("Draw on the map").click();
   const map = await MapPage.open(ruler);
   await map.drag([6, 7], [8, 9]);
   await expect.element(ruler.button("Draw a rectangle")).toHaveAttribute("aria-pressed", "false");
