@@ -40,7 +40,12 @@ test("a zone is one part by its name, in whose place another of the file can be"
   await (await zone(ruler, "Corridor")).click();
   await ruler.shown(option("Bay"));
   const words = page.getByCss(".blocklyDropDownContent [role=option]").elements();
-  expect(words.map((each: Element) => each.textContent)).toEqual(["Corridor", "Bay", "Draw on the map", "Show the numbers"]);
+  expect(words.map((each: Element) => each.textContent)).toEqual([
+    "Corridor",
+    "Bay",
+    "Draw on the map",
+    "Show the numbers",
+  ]);
   await option("Bay").click();
   await ruler.expectLines("pose_y < 3.5", "pose_y > 0", "pose_x >= 10", "pose_x < 14", "SetFrequency /odom 4");
   await expect.poll(() => ruler.blocks.getByRole("button", { name: "zone: Corridor" }).length).toBe(2);
