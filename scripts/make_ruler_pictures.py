@@ -114,7 +114,7 @@ def zones(studio: Studio) -> None:
     page.get_by_role("tab", name="Map", exact=True).click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     page.get_by_label("Path of").select_option(RECORDING)
-    button(page, "Type a zone").click()
+    button(page, "Draw a rectangle").click()
     for label, metres in (("x from", 3), ("x to", 12), ("y from", 2), ("y to", 10)):
         page.get_by_label(f"{label} (m)").fill(str(metres))
     button(page, "Add the zone").click()

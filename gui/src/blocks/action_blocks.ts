@@ -308,6 +308,7 @@ function topicsField(suggest: Suggestions): SuggestionField {
     ],
     isWhole: (text: string) => text === "" || text.startsWith("/") || text === ALL_TOPICS,
     refusal: () => "",
+    unknown: () => suggest.unknown(),
     head: (text: string) => /^.*[\s,]/.exec(text)?.[0] ?? "",
   };
   return new SuggestionField(topicsText([]), offer, "topics to record", read);

@@ -4,7 +4,7 @@ import * as Blockly from "blockly/core";
 import type { Truth } from "../api/types";
 import { readable, valueText } from "../ui/numbers";
 import type { CheckState, RuleState, TimeState } from "./live_states";
-import { FOLDED, stacked, type TimePart, timesOn } from "./model";
+import { checksOn, FOLDED, stacked, type TimePart, timesOn } from "./model";
 
 const GAP = 10;
 const HEIGHT = 32;
@@ -88,10 +88,14 @@ function conditionBadges(rule: Blockly.Block, state: RuleState, unitOf: UnitOf):
   let isKnown = true;
   const visit = (block: Blockly.Block) => {
     const said: Badge[] = [];
-    if (block.type === "adirf_check") {
-      const check = checks.shift();
-      isKnown &&= check !== undefined;
-      if (check) said.push({ look: check.state, words: checkWords(check, unitOf(block)) });
+    const count = checksOn(block);
+    if (count > 0) {
+      const own = checks.splice(0, count);
+      isKnown &&= own.length === count;
+      const [first] = own;
+      const state = allOf(own);
+      if (first && count === 1) said.push({ look: state, words: checkWords(first, unitOf(block)) });
+      else if (first) said.push({ look: state, words: CHECK_WORDS[state] });
     } else stacked(block, "TERMS").forEach(visit);
     for (const part of timesOn(block)) {
       const time = times.shift();
@@ -103,6 +107,12 @@ function conditionBadges(rule: Blockly.Block, state: RuleState, unitOf: UnitOf):
   };
   stacked(rule, "IF").forEach(visit);
   return isKnown && checks.length === 0 ? badges : null;
+}
+
+/** Whether all of some checks hold. */
+function allOf(checks: readonly CheckState[]): Truth {
+  const has = (state: Truth) => checks.some((each) => each.state === state);
+  return has("false") ? "false" : has("unknown") ? "unknown" : "true";
 }
 
 const CHECK_WORDS = { true: "✓ true", false: "✗ false", unknown: "? unknown" };

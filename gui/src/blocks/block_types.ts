@@ -7,6 +7,7 @@ import { CLOCK_METHODS, chooseTime } from "./clocks";
 import {
   button,
   CLOCK,
+  CONDITION,
   COPY,
   chain,
   comparedField,
@@ -24,6 +25,7 @@ import {
   textField,
   topicField,
 } from "./fields";
+import { defineInside } from "./inside_block";
 import { FOLDED, type FoldedRule, type RuleBlock } from "./model";
 import { ruleName, ruleSets } from "./rule_words";
 
@@ -36,6 +38,8 @@ export interface BlockButtons extends PartAdders {
   toggleFold(block: Blockly.BlockSvg): void;
   /** Does something with a whole rule, in the text. */
   act(block: Blockly.BlockSvg, act: RuleAct): void;
+  /** Lets somebody draw the zone of a block on the map. */
+  drawZone(block: Blockly.BlockSvg): void;
 }
 
 /** What is done with a whole rule. */
@@ -50,7 +54,6 @@ interface RuleBlockState {
 const SWITCH_OFF = "Switch this rule off";
 const SWITCH_ON = "Switch this rule on";
 const OFF_WORDS = "⊘ switched off";
-const CONDITION = "Condition";
 const LONGEST_RAW_LINES = 8;
 
 type Init = (this: Blockly.BlockSvg) => void;
@@ -71,6 +74,7 @@ export function defineBlocks(suggest: Suggestions, buttons: BlockButtons): void 
 
   defineActionBlocks(suggest, buttons.remove);
   defineFolded(buttons.toggleFold);
+  defineInside(suggest, buttons);
 
   init(
     "adirf_check",

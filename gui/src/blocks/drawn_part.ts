@@ -8,9 +8,11 @@ import { showRawText } from "./block_types";
 import { type Column, GAP, HEADING } from "./column";
 import { comparedIn } from "./compared";
 import { type Suggestions, textOf } from "./fields";
+import { hasNumbers, showNumbers, ZoneField } from "./inside_block";
 import { FOLDED, fingerprint, toBlock } from "./model";
 import { parseBound } from "./rule_words";
 import { newSlot, printOf, type Slot, statementOf } from "./slots";
+import { INSIDE } from "./zones";
 
 type Print = (slot: Slot) => string | null;
 
@@ -104,10 +106,14 @@ export class DrawnPart {
     this.workspace.setResizesEnabled(false);
     quietly(() => {
       const reused = this.reuse(statements, print);
+      const isSameCount = statements.length === this.slots.length;
+      const open = this.slots.map(({ block }) => isSameCount && block.getDescendants(false).some(hasNumbers));
       const old = new Set(this.slots.map((slot) => slot.block));
       for (const block of reused) if (block) old.delete(block);
       for (const block of old) if (!block.isDisposed()) block.dispose(true);
-      this.slots = statements.map((statement, index) => newSlot(reused[index] ?? this.create(statement), statement));
+      this.slots = statements.map((statement, index) =>
+        newSlot(reused[index] ?? this.create(statement, open[index]), statement),
+      );
       showJoins(this.workspace, this.owner.suggestions);
     });
     this.arrange(isMoved);
@@ -180,10 +186,12 @@ export class DrawnPart {
     });
   }
 
-  private create(statement: Statement): Blockly.BlockSvg {
+  private create(statement: Statement, isOpen = false): Blockly.BlockSvg {
     const state = toBlock(statement, this.owner.folds.isFolded(statement));
     const block = Blockly.serialization.blocks.appendInternal(state, this.workspace) as Blockly.BlockSvg;
     if (statement.kind === "raw") showRawText(block, statement.text);
+    const zones = block.getDescendants(false).filter(({ type }) => isOpen && type === INSIDE);
+    for (const zone of zones) showNumbers(zone, true);
     return block;
   }
 }
@@ -293,13 +301,15 @@ export function covers(part: Part, other: Part): boolean {
   return part.first <= other.first && other.first + other.count <= part.first + part.count;
 }
 
-const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);
+const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not", INSIDE]);
 
 /** Writes AND or OR before every check that stands below another, and units behind values and bounds. */
 export function showJoins(workspace: Blockly.WorkspaceSvg, suggest: Suggestions): void {
   for (const block of workspace.getAllBlocks(false)) {
     if (block.isInsertionMarker()) continue;
     if (CONDITIONS.has(block.type)) write(block, "JOIN", joinOf(block));
+    const zone = block.getField("ZONE");
+    if (zone instanceof ZoneField) zone.refresh();
     if (block.getField("BY_UNIT")) {
       write(block, "BY_UNIT", suggest.unit(textOf(block, "BY_TOPIC"), textOf(block, "BY_PROPERTY")));
     }

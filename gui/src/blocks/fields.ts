@@ -8,6 +8,7 @@ import { Picker, type PickerChoice } from "../ui/picker";
 import { isForFingers } from "../ui/watch";
 import { ComparedField, type DrawValues, NumberField } from "./number_field";
 import { openNext, type QuietField, takeKey } from "./open_field";
+import type { Zone } from "./zones";
 
 /** What an action names: the node of a parameter, a parameter of some node, or a service. */
 export type Allowed = { kind: "node" | "service" } | { kind: "parameter"; node: string };
@@ -34,6 +35,10 @@ export interface Suggestions {
   /** What the rules may set and call on the robot. */
   allowed(what: Allowed): readonly PickerChoice[];
   unit(topic: string, property: string): string;
+  /** Why a name that is typed is none that anybody knows; empty where nobody could know it. */
+  unknown(): string;
+  /** The zones of the rules of the file. */
+  zones(): readonly Zone[];
   drawValues: DrawValues;
 }
 
@@ -55,6 +60,8 @@ const icon = (path: string) =>
   `data:image/svg+xml,${encodeURIComponent(
     `<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 24 24"><circle cx="12" cy="12" r="11" fill="#fff" fill-opacity=".22"/><path d="${path}" stroke="#fff" stroke-width="2.4" stroke-linecap="round" fill="none"/></svg>`,
   )}`;
+/** What blocks of a condition are to connections. */
+export const CONDITION = "Condition";
 export const PLUS = icon("M12 7v10M7 12h10");
 export const MINUS = icon("M7 12h10");
 export const SWITCH = icon("M12 6v6M8.2 8.6a5.6 5.6 0 1 0 7.6 0");
@@ -112,6 +119,7 @@ export function topicField(
   const offer = {
     hint: "Any other name is kept as typed",
     choices: () => [...suggest.topicChoices(), ...others()],
+    unknown: () => suggest.unknown(),
     // A text with a slash is a name; without it, a search.
     isWhole: (text: string) => text.startsWith("/"),
     refusal: (text: string) => (oneWord(text) === null ? "A topic's name is one word, such as /odom" : ""),
@@ -205,7 +213,7 @@ class PriorityField extends NumberField {
 }
 
 /** A field with a list to choose from; Tab takes what is marked in the open list and goes on to the next field. */
-class ChoiceField extends Blockly.FieldDropdown {
+export class ChoiceField extends Blockly.FieldDropdown {
   protected override showEditor_(event?: MouseEvent): void {
     super.showEditor_(event);
     const list = this.menu_?.getElement();
@@ -261,6 +269,8 @@ interface Offer {
   refusal(text: string): string;
   /** What of a typed text stays before what is picked. */
   head?(text: string): string;
+  /** What is said of a text that nobody knows. */
+  unknown?(): string;
 }
 
 /** A text field to pick for. Unlike a drop-down it keeps a value that nobody knows. */
@@ -295,6 +305,7 @@ export class SuggestionField extends Blockly.FieldTextInput implements QuietFiel
       isWhole: (text) => offer.isWhole(text),
       refusal: (text) => offer.refusal(text),
       head: (text) => offer.head?.(text) ?? "",
+      unknown: () => offer.unknown?.() ?? "",
       pressed: () => Blockly.WidgetDiv.hideIfOwner(this),
     });
     this.stop = effect(() => this.picker?.refresh());

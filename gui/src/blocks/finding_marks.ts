@@ -6,6 +6,7 @@ import { DOCUMENTATION_TAB, findingHref } from "../documentation";
 import { checksOf } from "../state/statements";
 import { sentence } from "../ui/numbers";
 import { ACTION_TYPES } from "./action_model";
+import { checksOn } from "./model";
 import { withoutLines } from "./rule_words";
 import type { Slot } from "./slots";
 
@@ -238,7 +239,7 @@ function blockAt(block: Blockly.BlockSvg, statement: Statement, finding: PlacedF
   const holds = (part: CheckCondition | Action) => (part.offset ?? 0) <= from && to <= (part.end_offset ?? -1);
   const inner = block.getDescendants(true) as Blockly.BlockSvg[];
   const check = checksOf(statement.condition).findIndex(holds);
-  if (check >= 0) return inner.filter(({ type }) => type === "adirf_check")[check] ?? block;
+  if (check >= 0) return inner.flatMap((each) => Array(checksOn(each)).fill(each))[check] ?? block;
   const action = [...statement.then, ...statement.else].findIndex(holds);
   return inner.filter(({ type }) => ACTION_TYPES.has(type))[action] ?? block;
 }

@@ -5,6 +5,7 @@ import type { BlockButtons, RuleAct } from "./block_types";
 import { type Choice, timeChoices } from "./clocks";
 import { FOLDED, type RuleBlock } from "./model";
 import { NEW_STATEMENTS, type NewStatement } from "./rule_words";
+import { INSIDE } from "./zones";
 
 type Block = Blockly.BlockSvg;
 
@@ -18,7 +19,7 @@ export interface MenuPage {
   foldAll(isFolded: boolean): void;
 }
 
-const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not"]);
+const CONDITIONS = new Set(["adirf_check", "adirf_all", "adirf_any", "adirf_not", INSIDE]);
 const STATEMENTS = new Set(["adirf_set", "adirf_within", "adirf_keep", "adirf_rule", FOLDED]);
 const WORDS: Readonly<Record<string, string>> = {
   adirf_rule: "rule",
@@ -31,6 +32,7 @@ const WORDS: Readonly<Record<string, string>> = {
   adirf_call: "action",
   adirf_notify: "action",
   adirf_check: "check",
+  [INSIDE]: "zone",
   adirf_all: "all of",
   adirf_any: "any of",
   adirf_not: "not",

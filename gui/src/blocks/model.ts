@@ -16,6 +16,7 @@ import type {
 } from "../api/types";
 import { actionBlock, actionPrint, durationOf, durationPrint, toAction } from "./action_model";
 import { comparedIn } from "./compared";
+import { checksIn, INSIDE, rectangleOf, withZones, ZONE_CHECKS, zoneText } from "./zones";
 
 type State = Blockly.serialization.blocks.State;
 
@@ -145,7 +146,21 @@ export interface TimePart {
 
 /** Conditions below each other, which all hold, as blocks to load. */
 function conditionStack(condition: Condition): State {
-  return stack(terms(condition).map(conditionBlock));
+  return stack(zoneBlocks(terms(condition)));
+}
+
+/** The terms of an AND as blocks, those that bound a zone as one. */
+function zoneBlocks(terms: readonly Condition[]): State[] {
+  return withZones(terms).map((each) => (Array.isArray(each) ? insideBlock(each) : conditionBlock(each)));
+}
+
+function insideBlock(checks: readonly CheckCondition[]): State {
+  return { type: INSIDE, fields: { ZONE: zoneText(checks) } };
+}
+
+/** The checks of a zone as blocks to load. */
+export function checkStack(checks: readonly CheckCondition[]): State {
+  return stack(checks.map((each) => conditionBlock(each)));
 }
 
 /** A stack of checks means that all of them hold, so an AND is the stack of its terms. */
@@ -153,9 +168,12 @@ function terms(condition: Condition): Condition[] {
   return condition.kind === "and" ? condition.terms : [condition];
 }
 
-function conditionBlock(condition: Condition): State {
+/** Below another one an AND of a zone is `all of` it, as its parentheses are in the text. */
+function conditionBlock(condition: Condition, isInOr = false): State {
   const { core, times } = untimed(condition);
-  const block = coreBlock(core);
+  const isAlone = core.kind === "and" && core.terms.length === ZONE_CHECKS && (isInOr || times.length > 0);
+  const isZone = isAlone && rectangleOf(core.terms) !== null;
+  const block = isZone ? insideBlock(core.terms as CheckCondition[]) : coreBlock(core);
   const until = core.kind === "check" ? (core.until ?? null) : null;
   if (times.length === 0 && until === null) return block;
   const extraState: ClockState = {
@@ -189,9 +207,12 @@ function coreBlock(condition: Exclude<Condition, TimedCondition>): State {
         fields: { TOPIC: condition.topic, PROPERTY: condition.property, OP: condition.op, VALUE: condition.value },
       };
     case "and":
-      return { type: "adirf_all", inputs: { TERMS: { block: stack(condition.terms.map(conditionBlock)) } } };
+      return { type: "adirf_all", inputs: { TERMS: { block: stack(zoneBlocks(condition.terms)) } } };
     case "or":
-      return { type: "adirf_any", inputs: { TERMS: { block: stack(condition.terms.map(conditionBlock)) } } };
+      return {
+        type: "adirf_any",
+        inputs: { TERMS: { block: stack(condition.terms.map((term) => conditionBlock(term, true))) } },
+      };
     case "not":
       return { type: "adirf_not", inputs: { TERMS: { block: conditionStack(condition.term) } } };
   }
@@ -217,14 +238,28 @@ function conditionIn(block: Blockly.Block, input: string): Condition | null {
   return joined(conditions(block, input), "and");
 }
 
+/** What the blocks in a part say; a zone without a time says its checks. */
 function conditions(block: Blockly.Block, input: string): Condition[] {
-  return stacked(block, input)
-    .map(toCondition)
-    .filter((each) => each !== null);
+  return stacked(block, input).flatMap((each) => {
+    const condition = toCondition(each);
+    if (condition === null) return [];
+    return each.type === INSIDE && condition.kind === "and" ? condition.terms : [condition];
+  });
+}
+
+/** What the block of a zone stands for: its four checks, or what is made of them. */
+export function insideChecks(block: Blockly.Block): Condition[] {
+  return block.getInput("TERMS") ? conditions(block, "TERMS") : checksIn(String(block.getFieldValue("ZONE")));
 }
 
 function joined(all: Condition[], kind: "and" | "or"): Condition | null {
   return all.length > 1 ? { kind, terms: all } : (all[0] ?? null);
+}
+
+/** How many checks of the text a block alone stands for. */
+export function checksOn(block: Blockly.Block): number {
+  if (block.type === INSIDE) return block.getInput("TERMS") ? 0 : ZONE_CHECKS;
+  return block.type === "adirf_check" ? 1 : 0;
 }
 
 /** What a block of a condition says, with its times; null for an `any of` with nothing inside. */
@@ -247,8 +282,15 @@ function toCore(block: Blockly.Block): Condition | null {
   switch (block.type) {
     case "adirf_check":
       return toCheck(block);
-    case "adirf_any":
-      return joined(conditions(block, "TERMS"), "or");
+    case INSIDE:
+      return joined(insideChecks(block), "and");
+    case "adirf_any": {
+      const terms = stacked(block, "TERMS").map(toCondition);
+      return joined(
+        terms.filter((each) => each !== null),
+        "or",
+      );
+    }
     case "adirf_not": {
       const term = conditionIn(block, "TERMS");
       return term && { kind: "not", term };

@@ -12,16 +12,17 @@ import { rendererName } from "./finding_marks";
 import { type MenuPage, useOwnMenus } from "./menus";
 import { type RuleBlock, stacked, toBlock } from "./model";
 import { isTyped, openField } from "./open_field";
+import { INSIDE } from "./zones";
 
 const SCALE = 0.72;
 const SCALE_FOR_FINGERS = 0.95;
 
-/** A workspace of Blockly that knows the blocks of rules; `act` and `toggleFold` are called by the buttons of a whole rule. */
+/** A workspace of Blockly that knows the blocks of rules; `ofPage` is what it cannot do alone. */
 export function newWorkspace(
   host: HTMLElement,
   suggestions: Suggestions,
   recipes: () => Promise<readonly Statement[] | null>,
-  { act, toggleFold }: Pick<BlockButtons, "act" | "toggleFold">,
+  ofPage: Pick<BlockButtons, "act" | "toggleFold" | "drawZone">,
   page: MenuPage,
 ): Blockly.WorkspaceSvg {
   Blockly.setLocale(english as unknown as Record<string, string>);
@@ -33,8 +34,7 @@ export function newWorkspace(
     addAct,
     toggleElse: (block) => toggleElse(block, suggestions.topics()),
     remove: (block) => block.checkAndDelete(),
-    toggleFold,
-    act,
+    ...ofPage,
   };
   defineBlocks(suggestions, buttons);
   addAnotherOnShiftEnter(buttons, () => page.addStatement("rate"));
@@ -359,7 +359,7 @@ function toolbox(): Blockly.utils.toolbox.ToolboxDefinition {
         kind: "category",
         name: "Checks",
         categorystyle: "check",
-        contents: ["adirf_check", "adirf_any", "adirf_all", "adirf_not"].map((type) => block({ type })),
+        contents: ["adirf_check", INSIDE, "adirf_any", "adirf_all", "adirf_not"].map((type) => block({ type })),
       },
       { kind: "category", name: "Recipes", categorystyle: "rule", custom: RECIPES },
     ],

@@ -187,6 +187,7 @@ export class ComparedField extends NumberField implements QuietField {
       isWhole: isWholeCompared,
       refusal: (text) => this.problem(text),
       head: () => "",
+      unknown: () => "",
       pressed: () => Blockly.WidgetDiv.hideIfOwner(this),
     });
     this.picker = picker;

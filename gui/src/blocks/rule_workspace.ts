@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import * as Blockly from "blockly/core";
-import type { PlacedFinding, RuleDocument, Statement } from "../api/types";
+import type { PlacedFinding, RuleDocument, Statement, ZoneRectangle } from "../api/types";
 import type { LostChanges } from "../state/rule_editor";
 import type { Folds } from "../state/statements";
 import { Badges } from "./badges";
@@ -12,7 +12,7 @@ import type { Suggestions } from "./fields";
 import { FindingMarks } from "./finding_marks";
 import type { RuleState } from "./live_states";
 import type { MenuPage } from "./menus";
-import { FOLDED, fingerprint, toBlock, toStatement } from "./model";
+import { FOLDED, fingerprint, insideChecks, toBlock, toStatement } from "./model";
 import { blocklyTheme, NEW_RATE, NEW_RULE, newWorkspace, setReadOnly } from "./new_workspace";
 import { closeField, isElsewhere, isTyping, openField, scrollToBlock } from "./open_field";
 import type { NewStatement } from "./rule_words";
@@ -31,6 +31,7 @@ import {
   statementsOf,
   stepsOf,
 } from "./slots";
+import { rectangleOf } from "./zones";
 
 const IN_HAND_MS = 50;
 
@@ -47,6 +48,8 @@ interface WorkspaceOwner {
   /** Whether blocks say something that is not in the text yet. */
   ahead(isAhead: boolean): void;
   tell(message: string): void;
+  /** Lets somebody draw a zone of a statement anew. */
+  drawZone(statement: string, rectangle: ZoneRectangle): void;
   /** Does the one-click fix of a finding. */
   mend(finding: PlacedFinding): void;
   /** Asks for `show` with what the text says now. */
@@ -86,6 +89,7 @@ export class RuleWorkspace {
     const acts = {
       act: (block: Blockly.BlockSvg, what: RuleAct) => void this.act(block, what),
       toggleFold: (block: Blockly.BlockSvg) => void this.toggleFold(block),
+      drawZone: (block: Blockly.BlockSvg) => void this.drawZone(block),
     };
     this.workspace = newWorkspace(host, owner.suggestions, () => owner.recipes(), acts, {
       ...owner.menus,
@@ -218,6 +222,14 @@ export class RuleWorkspace {
     const shown = this.drawn.blockAt(at);
     if (shown) Blockly.getFocusManager().focusNode(shown.getField("FOLD") ?? shown);
     this.lookSoon();
+  }
+
+  /** Lets somebody draw a zone anew, once the text says what the blocks say. */
+  private async drawZone(block: Blockly.BlockSvg): Promise<void> {
+    if (!(await this.settled()) || block.isDisposed()) return;
+    const rectangle = rectangleOf(insideChecks(block));
+    const slot = this.drawn.slots.find((each) => each.block === statementOf(block));
+    if (slot && rectangle) this.owner.drawZone(slot.id, rectangle);
   }
 
   /** Folds all rules to one line, or unfolds them; the first one in view stays there. */

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { ReadonlySignal } from "@preact/signals";
 import { type KnownTopic, type Live, type Property, type RecordedField, TIERS, type Vocabulary } from "../api/types";
+import type { RecordingWords } from "../state/recording_words";
 import type { VocabularyCache } from "../state/statements";
 import type { Trial } from "../state/trial";
 import { hz, readable, valueText } from "../ui/numbers";
@@ -10,6 +11,7 @@ import { quoted } from "./compared";
 import type { Allowed, Suggestions } from "./fields";
 import { readChecks } from "./live_states";
 
+const IN_RECORDING = "in the recording";
 /** What is said beside a topic that a running robot publishes. */
 export const ON_ROBOT = "on the robot now";
 
@@ -21,12 +23,12 @@ interface KnownNow {
   live: ReadonlySignal<Live | null>;
   /** The last try of the rules on a recording. */
   tried: ReadonlySignal<Trial | null>;
-  /** The fields that a topic has in the recording of the rules, as far as it was read by now. */
-  recorded(topic: string): readonly RecordedField[];
+  /** The topics of the recording of the rules and the fields of one, as far as they were read by now. */
+  recorded: Pick<RecordingWords, "of" | "topics">;
 }
 
 /** What is suggested of what is known at the moment; words for a field are read so that an effect follows them. */
-export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
+export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues" | "zones"> {
   const { vocabulary } = now.words;
   const known = (words: Vocabulary | null, topic: string) => words?.topics.find((each) => each.topic === topic);
   const properties = (words: Vocabulary | null, topic: string) =>
@@ -41,13 +43,14 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
   const choice = (topic: string) => (property: Property) => propertyChoice(now, topic, property);
   return {
     topics: () => vocabulary.peek()?.topics.map(({ topic }) => topic) ?? [],
-    topicChoices: () => now.words.offered()?.topics.map((topic) => topicChoice(now, topic)) ?? [],
+    topicChoices: () => topicChoices(now),
+    unknown: () => unknownWords(now),
     patternChoices: () => patternsOf(vocabulary.peek()?.topics.map(({ topic }) => topic) ?? []),
     vitalsChoices: () => vocabulary.peek()?.vitals.map(({ name, meaning }) => ({ word: name, note: meaning })) ?? [],
     properties: (topic) => {
       const known = properties(vocabulary.value, topic);
       const names = new Set(known.map(({ name }) => name));
-      const more = now.recorded(topic).filter((field) => !names.has(field.path) && isWorthNaming(field, known));
+      const more = now.recorded.of(topic).filter((field) => !names.has(field.path) && isWorthNaming(field, known));
       return [...known.map(choice(topic)), ...more.map(recordedChoice)];
     },
     words: (topic, name) => {
@@ -72,6 +75,21 @@ export function suggestionsOf(now: KnownNow): Omit<Suggestions, "drawValues"> {
       return all.find(({ name }) => name === property)?.unit ?? "";
     },
   };
+}
+
+const NOWHERE = "not on the robot, in the recording or the profile";
+
+/** What is said of a topic that nobody knows; nothing where there is neither robot, recording nor profile to know it. */
+function unknownWords({ profile, live, recorded }: KnownNow): string {
+  const isAnything = profile.value !== null || live.value !== null || recorded.topics().length > 0;
+  return isAnything ? NOWHERE : "";
+}
+
+function topicChoices(now: KnownNow): PickerChoice[] {
+  const topics = now.words.offered()?.topics ?? [];
+  const known = new Set(topics.map(({ topic }) => topic));
+  const more = now.recorded.topics().filter((topic) => !known.has(topic));
+  return [...topics.map((topic) => topicChoice(now, topic)), ...more.map((word) => ({ word, aside: IN_RECORDING }))];
 }
 
 function topicChoice(now: KnownNow, known: KnownTopic): PickerChoice {
@@ -101,7 +119,7 @@ export function patternsOf(topics: readonly string[]): PickerChoice[] {
 
 /** What a property can be equal to: its own words, then what it is on the robot and was in a recording. */
 function wordChoices(now: KnownNow, topic: string, name: string, property?: Property): PickerChoice[] | null {
-  const field = now.recorded(topic).find(({ path }) => path === name);
+  const field = now.recorded.of(topic).find(({ path }) => path === name);
   const kind = property?.kind ?? field?.kind;
   const words = property?.words ?? (kind === "truth" ? ["true", "false"] : []);
   if (kind === "number" && words.length === 0) return null;
@@ -111,7 +129,7 @@ function wordChoices(now: KnownNow, topic: string, name: string, property?: Prop
   return [
     ...words.map((word) => ({ word })),
     ...value.map((text) => ({ word: quoted(text), aside: ON_ROBOT })),
-    ...texts.map((text) => ({ word: quoted(text), aside: "in the recording" })),
+    ...texts.map((text) => ({ word: quoted(text), aside: IN_RECORDING })),
   ];
 }
 
@@ -142,20 +160,24 @@ function isWorthNaming({ path, kind }: RecordedField, known: readonly Property[]
 
 function recordedChoice({ path, texts }: RecordedField): PickerChoice {
   const some = texts.slice(0, 2).map(quoted).join(", ");
-  return { word: path, aside: texts.length > 2 ? `${some}, …` : some, note: "in the recording" };
+  return { word: path, aside: texts.length > 2 ? `${some}, …` : some, note: IN_RECORDING };
 }
 
 /** How often a topic comes: on the robot, else in a recording, else by the topic parameters. */
-function sourceWords({ profile, live, tried }: KnownNow, { topic, is_published, source_hz }: KnownTopic): string {
+function sourceWords(now: KnownNow, { topic, is_published, source, source_hz }: KnownTopic): string {
+  const { profile, live, tried, recorded } = now;
   const relayed = live.value?.status.topics[topic];
   if (relayed?.source_hz != null) return `${hz(relayed.source_hz)} on the robot`;
   if (relayed?.silent) return "silent on the robot";
   if (is_published || relayed) return ON_ROBOT;
-  if (live.value !== null) return "the robot has none";
   const seen = tried.value;
   const rate_hz = seen?.sourceHz(topic) ?? null;
+  const isRecorded = rate_hz !== null || recorded.topics().includes(topic);
+  if (source !== "profile" && !isRecorded) return unknownWords(now);
+  if (live.value !== null) return "the robot has none";
   if (seen && rate_hz !== null) return `${hz(rate_hz)} in ${seen.bag}`;
-  return source_hz === null ? "" : `${hz(source_hz)} in ${profile.value?.name ?? "the topic parameters"}`;
+  if (source_hz !== null) return `${hz(source_hz)} in ${profile.value?.name ?? "the topic parameters"}`;
+  return isRecorded ? IN_RECORDING : "";
 }
 
 function propertyChoice({ live, tried }: KnownNow, topic: string, { name, unit, meaning }: Property): PickerChoice {

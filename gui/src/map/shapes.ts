@@ -58,6 +58,16 @@ export function bounded(known: ZoneRectangle, [left, low, right, high]: Extent):
   };
 }
 
+/** The sides of a rectangle in words. */
+export function sidesWords({ min_x_m, max_x_m, min_y_m, max_y_m }: ZoneRectangle): string {
+  const axis = (name: string, from: number | null, to: number | null) => {
+    if (from === null && to === null) return `any ${name}`;
+    if (from === null) return `${name} below ${to} m`;
+    return to === null ? `${name} above ${from} m` : `${name} ${from} … ${to} m`;
+  };
+  return `${axis("x", min_x_m, max_x_m)}, ${axis("y", min_y_m, max_y_m)}`;
+}
+
 /** The four corners of a picture, from its lower left one against the clock. */
 export function cornersOf(picture: MapPicture): Point[] {
   const [cos, sin] = [Math.cos(picture.yaw_rad), Math.sin(picture.yaw_rad)];

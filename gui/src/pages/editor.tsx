@@ -15,6 +15,7 @@ import { type Side, SidePane } from "../panels/side_pane";
 import { ProfileRepair } from "../state/profile_repair";
 import { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { ZoneEditor } from "../state/zone_editor";
 import { type Tab, Tabs } from "../ui/choice";
 import { NeedsServer, useReturn, useRobot } from "../ui/connection";
 import { ConflictDialog, FileNotices, useOpenFile } from "../ui/file_notices";
@@ -43,6 +44,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
   const repair = useMemo(() => new ProfileRepair(editor), []);
   const tool = useSignal<Tool>("findings");
   const side = useSignal<Side>("text");
+  const zones = useMemo(() => new ZoneEditor(editor), []);
   const full = useMemo(() => new FullScreen(), []);
   useEffect(() => full.follow(), []);
   /** Whether the rates are to be downloaded as soon as they are computed. */
@@ -97,7 +99,15 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
       </div>
       <main class="panes">
         <div class="split">
-          <BlocksPane {...{ editor, recording }} tried={tries.last} robotRules={robot.robotRules}>
+          <BlocksPane
+            {...{ editor, recording }}
+            tried={tries.last}
+            robotRules={robot.robotRules}
+            onDrawZone={(rule, rectangle) => {
+              side.value = "map";
+              zones.redraw(rule, rectangle);
+            }}
+          >
             <BudgetBar {...{ editor, rates }} onOpen={() => openTool("optimize")} />
           </BlocksPane>
           <Splitter
@@ -107,7 +117,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
             {...BLOCKS}
             onChange={setBlocks}
           />
-          <SidePane {...{ editor, side, full }} />
+          <SidePane {...{ editor, zones, side, full }} />
         </div>
         <Splitter label="Height of the results" orientation="horizontal" percent={dock} {...DOCK} onChange={setDock} />
         <section class="dock" aria-label="Results" ref={results}>

@@ -1,18 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { FoundFile, RuleDocument } from "../api/types";
+import type { FoundFile, RuleDocument, ZoneRectangle } from "../api/types";
 import { toCondition } from "../blocks/model";
 import type { DrawValues } from "../blocks/number_field";
 import type { NewStatement } from "../blocks/rule_words";
 import type { RuleWorkspace } from "../blocks/rule_workspace";
 import { suggestionsOf } from "../blocks/suggestions";
+import { zonesIn } from "../blocks/zones";
 import { recipeRules } from "../recipes/recipes";
 import { RecordingWords } from "../state/recording_words";
 import type { RobotRules } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
+import { statementsIn } from "../state/statements";
 import type { Trial } from "../state/trial";
 import { bagsIn, type FileTries, fileOf, recordingOf } from "../state/tries";
 import { checkIn } from "../state/written_checks";
@@ -133,13 +135,15 @@ interface Shown {
   tried: ReadonlySignal<Trial | null>;
   /** The recording of the rules. */
   recording: () => FoundFile | undefined;
+  /** Somebody wants to draw a zone of a rule on the map. */
+  onDrawZone: (rule: string, rectangle: ZoneRectangle) => void;
   isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   Workspace: typeof RuleWorkspace,
   host: HTMLElement,
-  { editor, robotRules, tried, recording, isServerGone }: Shown,
+  { editor, robotRules, tried, recording, onDrawZone, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
@@ -147,6 +151,7 @@ function openWorkspace(
   };
   const recorded = new RecordingWords(editor.api, recording);
   const known = { words: editor.words, profile: editor.profile, live: robotRules.live, tried };
+  const zones = computed(() => zonesIn(statementsIn(editor.shown.value?.document ?? { collections: [] })));
   const workspace = new Workspace(host, {
     recipes: () => editor.attempt(() => recipeRules(editor.api)),
     menus: {
@@ -156,7 +161,8 @@ function openWorkspace(
       canRedo: () => editor.history.canRedo.peek(),
     },
     suggestions: {
-      ...suggestionsOf({ ...known, recorded: (topic) => recorded.of(topic) }),
+      ...suggestionsOf({ ...known, recorded }),
+      zones: () => zones.peek(),
       drawValues: valuesOfRecording(editor, recording),
     },
     changed: (editsOf, refused, isPlaceholder) => {
@@ -168,6 +174,7 @@ function openWorkspace(
     },
     lost: (lost) => (editor.lost.value = { name: editor.name, ...lost }),
     tell: (message) => (editor.message.value = message),
+    drawZone: onDrawZone,
     mend: (finding) => void editor.fix(finding),
     leftOut: (count) => (editor.blocksLeftOut = count),
     ahead: (isAhead) => editor.setAhead(workspace, isAhead),

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { type Signal, useSignal } from "@preact/signals";
+import { type Signal, useSignal, useSignalEffect } from "@preact/signals";
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import type { BackgroundChoice, RuleZones, ZoneRectangle } from "../api/types";
+import type { BackgroundChoice, RuleZones } from "../api/types";
 import { MapCanvas } from "../map/map_canvas";
 import type { MapView } from "../map/map_view";
-import { bounded, type MapOwner, type Tool } from "../map/shapes";
+import { bounded, type MapOwner, sidesWords, type Tool } from "../map/shapes";
 import { MAP_FRAME, type MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import { DRAFT, type ZoneEditor } from "../state/zone_editor";
@@ -14,32 +14,47 @@ import { Choice } from "../ui/choice";
 import { NeedsServer } from "../ui/connection";
 import { Notes, Notice, Problem } from "../ui/notice";
 import { numberProblem, sentence, typedNumber } from "../ui/numbers";
+import { showOnNarrow } from "../ui/watch";
 import { ChosenZoneForm, DraftForm } from "./zone_forms";
 
-const TOOLS: { tool: Tool; label: string }[] = [
+const TOOLS: { tool: Exclude<Tool, "choose">; label: string }[] = [
   { tool: "rectangle", label: "Draw a rectangle" },
   { tool: "polygon", label: "Draw a polygon" },
 ];
 const USUAL_TOPIC = "/odom";
-const FIRST_SIDES: ZoneRectangle = { min_x_m: 0, max_x_m: 1, min_y_m: 0, max_y_m: 1 };
 
 /** The zones of the rules on a map: everything the mouse does there, the forms below it do as well. */
 export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: ZoneEditor; floor: MapFloor }) {
   const tool = useSignal<Tool>("choose");
   const view = useRef<MapView | null>(null);
+  const panel = useRef<HTMLElement>(null);
   useEffect(() => zones.follow(), []);
   useEffect(() => view.current?.setTool(tool.value), [tool.value, view.current]);
+  useSignalEffect(() => {
+    if (zones.redrawn.value) {
+      tool.value = "rectangle";
+      showOnNarrow(() => panel.current);
+      // From the blocks, where Escape and the numbers of the zone would be far.
+      requestAnimationFrame(() => panel.current?.querySelector<HTMLElement>(".map-tools button")?.focus());
+    } else if (zones.draft.value === null) tool.value = "choose";
+  });
   useEffect(() => {
     editor.takeBack = () => view.current?.removeLastCorner() || zones.discard();
     return () => (editor.takeBack = null);
   }, []);
-  const owner = useMemo(() => ownerOf(zones, () => (tool.value = "choose")), []);
+  const leaveTool = () => {
+    tool.value = "choose";
+    zones.putAway();
+  };
+  useEffect(() => leaveTool, []);
+  const owner = useMemo(() => ownerOf(zones, leaveTool), []);
   return (
     <section
       class="map-panel"
       aria-label="Map"
+      ref={panel}
       onKeyDown={(event) => {
-        if (event.key === "Escape") tool.value = "choose";
+        if (event.key === "Escape") leaveTool();
       }}
     >
       <FloorNotes floor={floor} editor={editor} topics={zones.topics.value} />
@@ -56,7 +71,7 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
           }}
         />
         <NeedsServer>
-          <Tools {...{ zones, tool }} />
+          <Tools {...{ zones, tool, leaveTool }} />
         </NeedsServer>
       </div>
       <div class="map-strip" key={zones.draft.value ? DRAFT : "chosen"}>
@@ -73,8 +88,14 @@ export function MapPanel({ editor, zones, floor }: { editor: RuleEditor; zones: 
   );
 }
 
-/** What the mouse does on the map. */
-function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
+interface ToolsProps {
+  zones: ZoneEditor;
+  tool: Signal<Tool>;
+  leaveTool: () => void;
+}
+
+/** What the mouse does on the map; the form below it takes the same as numbers. */
+function Tools({ zones, tool, leaveTool }: ToolsProps) {
   const isBroken = zones.editor.isBroken.value;
   const hint = hintOf(tool.value, isBroken);
   return (
@@ -86,15 +107,15 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
           class="small"
           aria-pressed={tool.value === each.tool}
           disabled={isBroken}
-          onClick={() => (tool.value = tool.value === each.tool ? "choose" : each.tool)}
+          onClick={() => {
+            if (tool.value === each.tool) return leaveTool();
+            zones.redrawn.value = null;
+            if (zones.draft.value?.shape !== each.tool)
+              zones.draft.value = { shape: each.tool, rectangles: [], polygon: null };
+            tool.value = each.tool;
+          }}
         />
       ))}
-      <Button
-        label="Type a zone"
-        class="small"
-        disabled={isBroken}
-        onClick={() => (zones.draft.value = { rectangles: [FIRST_SIDES], polygon: null })}
-      />
       {hint && (
         <p class="map-hint" role="status">
           {hint}
@@ -106,8 +127,9 @@ function Tools({ zones, tool }: { zones: ZoneEditor; tool: Signal<Tool> }) {
 
 function hintOf(tool: Tool, isBroken: boolean): string {
   if (isBroken) return "The text has an error: mend it first.";
-  if (tool === "rectangle") return "Press where one corner is, and pull to the other.";
-  if (tool === "polygon") return "Press each corner, the last one twice. Ctrl+Z takes a corner back.";
+  if (tool === "rectangle") return "Press where one corner is, and pull to the other; or type the numbers below.";
+  if (tool === "polygon")
+    return "Press each corner, the last one twice; or type them below. Ctrl+Z takes a corner back.";
   return "";
 }
 
@@ -121,8 +143,8 @@ function ownerOf(zones: ZoneEditor, done: () => void): MapOwner {
       if (known) void zones.resize(id, index, bounded(known, sides));
     },
     drawn: (shape) => {
-      done();
       void zones.draw(shape);
+      done();
     },
     failed: () => (zones.editor.message.value = "The picture of the map cannot be shown"),
   };
@@ -154,9 +176,7 @@ function ZoneList({ zones }: { zones: ZoneEditor }) {
           </li>
         ))}
       </ul>
-      {answer.value && placed.length === 0 && (
-        <p class="quiet">No rule depends on the position. Draw a zone, or type one.</p>
-      )}
+      {answer.value && placed.length === 0 && <p class="quiet">No rule depends on the position. Draw a zone.</p>}
       {placed.length > 0 && others > 0 && (
         <p class="quiet">{others === 1 ? "1 rule does" : `${others} rules do`} not depend on the position.</p>
       )}
@@ -172,18 +192,9 @@ function ZoneList({ zones }: { zones: ZoneEditor }) {
 function saidOf(rule: RuleZones): string {
   const topics = [...new Set(rule.zones.map((zone) => zone.topic))].join(", ");
   const [first] = rule.zones;
-  const place = rule.zones.length === 1 && first ? sidesOf(first.rectangle) : `${rule.zones.length} rectangles`;
+  const place = rule.zones.length === 1 && first ? sidesWords(first.rectangle) : `${rule.zones.length} rectangles`;
   const others = rule.others.length > 0 ? `, if also ${rule.others.join(" and ")}` : "";
   return `${topics}: ${place}${rule.holds_elsewhere ? "" : others}${rule.holds_elsewhere ? "; it can hold elsewhere too" : ""}`;
-}
-
-function sidesOf({ min_x_m, max_x_m, min_y_m, max_y_m }: ZoneRectangle): string {
-  const axis = (name: string, from: number | null, to: number | null) => {
-    if (from === null && to === null) return `any ${name}`;
-    if (from === null) return `${name} below ${to} m`;
-    return to === null ? `${name} above ${from} m` : `${name} ${from} … ${to} m`;
-  };
-  return `${axis("x", min_x_m, max_x_m)}, ${axis("y", min_y_m, max_y_m)}`;
 }
 
 const KINDS = { map: "Map", image: "Image", bag: "Recording" };

@@ -5,7 +5,7 @@ import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { PlacedFinding } from "../api/types";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
-import { ZoneEditor } from "../state/zone_editor";
+import type { ZoneEditor } from "../state/zone_editor";
 import { TextEditor } from "../text/text_editor";
 import { type Tab, Tabs } from "../ui/choice";
 import { useRobot } from "../ui/connection";
@@ -20,10 +20,9 @@ const CHOICES: Tab<Side>[] = [
 ];
 
 /** The right half: the rules as text, or their zones on a map. */
-export function SidePane(props: { editor: RuleEditor; side: Signal<Side>; full: FullScreen }) {
-  const { editor, side, full } = props;
+export function SidePane(props: { editor: RuleEditor; zones: ZoneEditor; side: Signal<Side>; full: FullScreen }) {
+  const { editor, zones, side, full } = props;
   const floor = useMemo(() => new MapFloor(editor), []);
-  const zones = useMemo(() => new ZoneEditor(editor), []);
   const isMap = side.value === "map";
   const returns = useRobot().returns.value;
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap, returns]);

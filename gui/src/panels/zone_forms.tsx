@@ -3,7 +3,7 @@
 import { useRef, useState } from "preact/hooks";
 import type { ZoneRectangle } from "../api/types";
 import type { Point } from "../map/shapes";
-import { type Draft, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
+import { type Draft, drawn, USUAL_RECTANGLES, type ZoneEditor } from "../state/zone_editor";
 import { Button } from "../ui/button";
 import { Choice } from "../ui/choice";
 import { focusPageSoon } from "../ui/dialog";
@@ -55,42 +55,26 @@ export function ChosenZoneForm({ zones }: { zones: ZoneEditor }) {
 /** A zone that is being made: its shape, what it is called and where it goes; `topic` is proposed for it. */
 export function DraftForm({ zones, topic }: { zones: ZoneEditor; topic: string }) {
   const draft = zones.draft.value;
-  const [shape, setShape] = useState<"rectangle" | "polygon">(draft?.polygon ? "polygon" : "rectangle");
   // What is added is what the fields say: not a draft beside which they say something else, or nothing that can be read.
   const [stale, setStale] = useState<Draft | null>(null);
   if (!draft) return null;
-  const isPolygon = draft.polygon !== null || shape === "polygon";
   return (
     <div class="zone-form" role="group" aria-label="New zone">
       <div class="row zone-head">
         <h2>New zone</h2>
-        <Choice
-          isBare
-          label="Shape"
-          value={isPolygon ? "polygon" : "rectangle"}
-          choices={[
-            ["rectangle", "Rectangle"],
-            ["polygon", "Polygon"],
-          ]}
-          disabled={draft.polygon !== null}
-          choose={(next) => {
-            setShape(next);
-            setStale(null);
-          }}
-        />
       </div>
-      {isPolygon ? (
+      {draft.shape === "polygon" ? (
         <PolygonForm zones={zones} draft={draft} changed={() => setStale(draft)} />
       ) : (
         <SidesForm
           rectangle={draft.rectangles[0] ?? { min_x_m: null, max_x_m: null, min_y_m: null, max_y_m: null }}
           done={(sides) => {
-            if (sides) zones.draft.value = { rectangles: [sides], polygon: null };
+            if (sides) zones.draft.value = drawn(sides);
             else setStale(draft);
           }}
         />
       )}
-      <GoesTo zones={zones} topic={topic} canAdd={stale !== draft && (!isPolygon || draft.polygon !== null)} />
+      <GoesTo zones={zones} topic={topic} canAdd={stale !== draft && draft.rectangles.length > 0} />
     </div>
   );
 }

@@ -8,8 +8,9 @@ import type { RuleEditor } from "./rule_editor";
 export const DRAFT = "draft";
 export const USUAL_RECTANGLES = 8;
 
-/** A zone that is not in the text yet; `corners` are those of a polygon, with the areas it and its cover have. */
+/** A zone that is not in the text yet, without rectangles before it is drawn or typed; `corners` are those of a polygon, with the areas it and its cover have. */
 export interface Draft {
+  shape: "rectangle" | "polygon";
   rectangles: readonly ZoneRectangle[];
   polygon: { corners: readonly Point[]; area_m2: number; over_m2: number; most: number } | null;
 }
@@ -19,6 +20,8 @@ export class ZoneEditor {
   /** What the server says of `text`. */
   readonly answer = signal<{ zones: ZonesAnswer; text: string } | null>(null);
   readonly draft = signal<Draft | null>(null);
+  /** The rectangle of a rule whose place the next one that is drawn takes. */
+  readonly redrawn = signal<{ rule: string; rectangle: ZoneRectangle } | null>(null);
   /** Which rectangle of the chosen rule. */
   readonly index = signal(0);
   readonly rules = computed(() => this.answer.value?.zones.rules ?? []);
@@ -60,14 +63,33 @@ export class ZoneEditor {
 
   /** Gives one rectangle other sides. */
   async resize(id: string, index: number, rectangle: ZoneRectangle): Promise<void> {
-    if (id === DRAFT) this.draft.value = { rectangles: [rectangle], polygon: null };
+    if (id === DRAFT) this.draft.value = drawn(rectangle);
     else await this.change({ kind: "zone_resize", id, index, rectangle });
   }
 
   async draw(shape: Drawn): Promise<void> {
     if (shape.kind === "polygon") return this.cover(shape.corners, USUAL_RECTANGLES);
     const [min_x_m, min_y_m, max_x_m, max_y_m] = shape.sides;
-    this.draft.value = { rectangles: [{ min_x_m, max_x_m, min_y_m, max_y_m }], polygon: null };
+    const rectangle = { min_x_m, max_x_m, min_y_m, max_y_m };
+    const old = this.redrawn.value;
+    this.redrawn.value = null;
+    const zones = this.rules.value.find(({ id }) => id === old?.rule)?.zones ?? [];
+    const index = zones.findIndex((zone) => isSame(zone.rectangle, old?.rectangle));
+    if (old === null || index < 0) this.draft.value = drawn(rectangle);
+    else await this.resize(old.rule, index, rectangle);
+  }
+
+  /** Waits for somebody to draw a rectangle of a rule anew. */
+  redraw(rule: string, rectangle: ZoneRectangle): void {
+    this.draft.value = null;
+    this.redrawn.value = { rule, rectangle };
+    this.choose(rule);
+  }
+
+  /** Nobody draws any more: forgets what was not begun. */
+  putAway(): void {
+    this.redrawn.value = null;
+    if (this.draft.value?.rectangles.length === 0) this.draft.value = null;
   }
 
   /** Makes a draft of the rectangles that cover a polygon. */
@@ -77,7 +99,7 @@ export class ZoneEditor {
         corners: corners.map(([x, y]) => [x, y]),
         max_rectangles: most,
       });
-      this.draft.value = { rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
+      this.draft.value = { shape: "polygon", rectangles, polygon: { corners, area_m2: polygon_m2, over_m2, most } };
     });
   }
 
@@ -126,9 +148,10 @@ export class ZoneEditor {
   private moveDraft(dx: number, dy: number): void {
     const { draft } = this;
     if (!draft.value) return;
-    const { rectangles, polygon } = draft.value;
+    const { shape, rectangles, polygon } = draft.value;
     const corners = polygon?.corners.map(([x, y]): Point => [rounded(x + dx), rounded(y + dy)]) ?? [];
     draft.value = {
+      shape,
       rectangles: rectangles.map((one) => ({
         min_x_m: shifted(one.min_x_m, dx),
         max_x_m: shifted(one.max_x_m, dx),
@@ -154,7 +177,7 @@ export class ZoneEditor {
     const clashes = (this.answer.value?.zones.clashes ?? []).map(({ common }, index): MapZone => {
       return { id: `clash ${index}`, label: "clash", rectangles: common, tone: "clash" };
     });
-    if (!draft) return [...zones, ...clashes];
+    if (!draft?.rectangles.length) return [...zones, ...clashes];
     const handle = draft.polygon ? undefined : 0;
     return [
       ...zones,
@@ -162,6 +185,15 @@ export class ZoneEditor {
       { id: DRAFT, label: "new zone", rectangles: draft.rectangles, tone: "draft", movable: true, handle },
     ];
   }
+}
+
+/** A draft of one rectangle. */
+export function drawn(rectangle: ZoneRectangle): Draft {
+  return { shape: "rectangle", rectangles: [rectangle], polygon: null };
+}
+
+function isSame(one: ZoneRectangle, other: ZoneRectangle | undefined): boolean {
+  return JSON.stringify(Object.entries(one).sort()) === JSON.stringify(Object.entries(other ?? {}).sort());
 }
 
 function shifted(value: number | null, by: number): number | null {

@@ -15,6 +15,8 @@ interface PickerOwner {
   isWhole(text: string): boolean;
   /** Why a text cannot be kept; empty where it can. */
   refusal(text: string): string;
+  /** What is said of a text that is kept as typed; empty where that is nothing. */
+  unknown(): string;
   /** Somebody pressed a choice: it is taken, and the picking is over. */
   pressed(word: string): void;
 }
@@ -66,10 +68,11 @@ export class Picker {
     this.active = same >= 0 ? same : this.isTyped ? best : kept;
     const isOffered = this.found.some(({ choice }) => choice.word === text);
     const asTyped = best === 0 && !isOffered && this.owner.refusal(text) === "" ? text : null;
-    if (asTyped !== null) this.found = [...this.found, asItIs(asTyped)];
+    const unknown = this.owner.unknown();
+    if (asTyped !== null) this.found = [...this.found, asItIs(asTyped, unknown)];
     const refusal = this.isTyped && this.active === NONE ? this.owner.refusal(text) : "";
     const isNew = this.found.length === 0 && text !== "" && this.owner.isWhole(text);
-    const note = refusal || (isNew ? `“${text}” is kept as typed` : this.owner.hint);
+    const note = refusal || (isNew ? `“${text}” is kept as typed${unknown && `: ${unknown}`}` : this.owner.hint);
     if (this.isOpen) this.popup.show(this.found, this.active, { note, isProblem: refusal !== "" });
     else this.popup.hide();
   }
@@ -130,8 +133,8 @@ export class Picker {
   }
 }
 
-function asItIs(text: string): Found {
-  return { choice: { word: text, note: "as typed" }, isByName: true };
+function asItIs(text: string, unknown: string): Found {
+  return { choice: { word: text, note: `as typed${unknown && `, ${unknown}`}` }, isByName: true };
 }
 
 const GAP_PX = 4;

@@ -7,12 +7,15 @@ import type {
   CheckCondition,
   Compared,
   Condition,
+  Operator,
   RuleStatement,
   Statement,
   TimedCondition,
 } from "../../src/api/types";
 import { type BlockButtons, defineBlocks } from "../../src/blocks/block_types";
+import { showNumbers } from "../../src/blocks/inside_block";
 import { fingerprint, toBlock, toStatement } from "../../src/blocks/model";
+import { INSIDE } from "../../src/blocks/zones";
 
 const CHECK: CheckCondition = { kind: "check", topic: "/battery_state", property: "level", op: "<", value: 20 };
 const OTHER: CheckCondition = { ...CHECK, op: ">=", value: -0.5 };
@@ -53,6 +56,8 @@ beforeAll(() => {
     words: nothing,
     allowed: nothing,
     unit: () => "",
+    unknown: () => "",
+    zones: nothing,
     drawValues: () => null,
   };
   const ignore = () => undefined;
@@ -66,6 +71,7 @@ beforeAll(() => {
     toggleFold: ignore,
     remove: ignore,
     act: ignore,
+    drawZone: ignore,
   };
   defineBlocks(suggest, buttons);
 });
@@ -91,6 +97,53 @@ const CONDITIONS: [string, Condition][] = [
   ["for a time not", held({ kind: "not", term: BOTH })],
   ["both, one for a time", { kind: "and", terms: [held(CHECK), lately(EITHER)] }],
 ];
+
+const side = (property: string, op: Operator, value: Compared): CheckCondition => {
+  return { kind: "check", topic: "/odom", property, op, value };
+};
+const SIDES = [side("pose_y", ">=", 1), side("pose_y", "<", 5.4), side("pose_x", ">", -13), side("pose_x", "<=", 6)];
+const ZONE: Condition = { kind: "and", terms: SIDES };
+const ZONES: [string, Condition, number][] = [
+  ["a zone", ZONE, 1],
+  ["a zone among checks", { kind: "and", terms: [CHECK, ...SIDES, OTHER] }, 1],
+  ["a zone in parentheses", { kind: "and", terms: [ZONE, CHECK] }, 1],
+  ["one of two zones", { kind: "or", terms: [ZONE, ZONE, CHECK] }, 2],
+  ["two zones in a row", { kind: "and", terms: [...SIDES, ...SIDES] }, 2],
+  ["not in a zone", { kind: "not", term: ZONE }, 1],
+  ["a zone for a time", held(ZONE), 1],
+  ["a zone for a time and a check", { kind: "and", terms: [lately(held(ZONE)), CHECK] }, 1],
+  ["three sides", { kind: "and", terms: SIDES.slice(1) }, 0],
+  ["sides between which nothing is", { kind: "and", terms: [side("pose_y", ">", 7), ...SIDES.slice(1)] }, 0],
+  [
+    "sides of two topics",
+    { kind: "and", terms: [{ ...(SIDES[0] as CheckCondition), topic: "/x" }, ...SIDES.slice(1)] },
+    0,
+  ],
+  ["a side for a time", { kind: "and", terms: [held(SIDES[0] as CheckCondition), ...SIDES.slice(1)] }, 0],
+];
+
+test.each(ZONES)("%s is said as in the text, with zones as one part each", (_, condition, count) => {
+  const statement = rule(condition);
+  const workspace = new Blockly.Workspace();
+  const block = Blockly.serialization.blocks.append(toBlock(statement), workspace);
+  expect(fingerprint(toStatement(block) as Statement)).toBe(fingerprint(statement));
+  expect(block.getDescendants(true).filter(({ type }) => type === INSIDE)).toHaveLength(count);
+});
+
+test("a zone whose numbers are shown says the same, also once it is copied", () => {
+  const statement = rule(held(ZONE));
+  const workspace = new Blockly.Workspace();
+  const block = Blockly.serialization.blocks.append(toBlock(statement), workspace);
+  const zone = block.getDescendants(true).find(({ type }) => type === INSIDE) as Blockly.BlockSvg;
+  const say = (of: Blockly.Block) => fingerprint(toStatement(of) as Statement);
+  for (const isShown of [true, false]) {
+    showNumbers(zone, isShown);
+    expect(zone.getDescendants(true)).toHaveLength(isShown ? 5 : 1);
+    expect(say(block)).toBe(fingerprint(statement));
+    const copy = Blockly.serialization.blocks.save(block) as Blockly.serialization.blocks.State;
+    expect(say(Blockly.serialization.blocks.append(copy, new Blockly.Workspace()))).toBe(fingerprint(statement));
+  }
+});
 
 const COMPARED: Compared[] = [
   '"docking"',

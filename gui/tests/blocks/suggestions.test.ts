@@ -29,7 +29,7 @@ function wordsOf(vocabulary: Signal<Vocabulary | null>) {
   return { vocabulary, offered: () => vocabulary.value };
 }
 
-function known(topic: Partial<KnownTopic> = {}) {
+function known(topic: Partial<KnownTopic> = {}, profile = signal<{ name: string } | null>({ name: "radio.toml" })) {
   const vocabulary = signal<Vocabulary | null>({
     topics: [{ ...ODOM, ...topic }],
     every_topic: [AGE],
@@ -39,17 +39,19 @@ function known(topic: Partial<KnownTopic> = {}) {
   const live = signal<Live | null>(null);
   const tried = signal<Trial | null>(null);
   const fields = signal<RecordedField[]>([]);
+  const topics = signal<string[]>([]);
   return {
     vocabulary,
     live,
     tried,
     fields,
+    topics,
     suggestions: suggestionsOf({
       words: wordsOf(vocabulary),
-      profile: signal({ name: "radio.toml" }),
+      profile,
       live,
       tried,
-      recorded: () => fields.value,
+      recorded: { of: () => fields.value, topics: () => topics.value },
     }),
   };
 }
@@ -65,7 +67,8 @@ function robot(
 
 test("what is suggested grows when a robot's topics come later", () => {
   const vocabulary = signal<Vocabulary | null>(null);
-  const nothing = { profile: signal(null), live: signal(null), tried: signal(null), recorded: () => [] };
+  const recorded = { of: () => [], topics: () => [] };
+  const nothing = { profile: signal(null), live: signal(null), tried: signal(null), recorded };
   const suggestions = suggestionsOf({ words: wordsOf(vocabulary), ...nothing });
   const shown: unknown[] = [];
   const words = (choices: readonly { word: string }[]) => choices.map(({ word }) => word);
@@ -101,6 +104,27 @@ test("a topic says its type, who uses it, and how often it comes by who knows be
   expect(aside()).toBe("the robot has none");
   live.value = robot({ "/odom": { source_hz: 9.87 } });
   expect(aside()).toBe("9.87 Hz on the robot");
+});
+
+test("a topic that neither robot nor recording nor profile has is marked, and those of the recording are offered", () => {
+  const nowhere = "not on the robot, in the recording or the profile";
+  const { live, topics, suggestions } = known({ topic: "/sacn", source: "rules", source_hz: null });
+  const choices = () => suggestions.topicChoices().map(({ word, aside }) => [word, aside]);
+  expect([choices(), suggestions.unknown()]).toEqual([[["/sacn", nowhere]], nowhere]);
+  live.value = robot({ "/sacn": { source_hz: 5 } });
+  expect(choices()).toEqual([["/sacn", "5 Hz on the robot"]]);
+  live.value = null;
+  topics.value = ["/sacn", "/scan"];
+  expect(choices()).toEqual([
+    ["/sacn", "in the recording"],
+    ["/scan", "in the recording"],
+  ]);
+});
+
+test("where there is nothing that could know a topic, none is marked", () => {
+  const profile = signal<{ name: string } | null>(null);
+  const { suggestions } = known({ source: "example", source_hz: null }, profile);
+  expect([suggestions.topicChoices()[0]?.aside, suggestions.unknown()]).toEqual(["", ""]);
 });
 
 test("the link stands beside the topics of a check, with properties of its own only", () => {

@@ -38,6 +38,32 @@ end
   await expect.element(rows().first()).toHaveTextContent("Error");
 });
 
+test("a misspelled name is found in the list and on its very block", async () => {
+  const ruler = await openRules(
+    `\
+begin
+    SetFrequency /sacn 5
+
+    Rule "Close"
+    If CheckValue /odmo pose_x > 1
+    Then
+        SetFrequency /odom 3
+    EndIf
+end
+`,
+    `${PROFILE}[topics."/scan"]\nmessage_kb = 1\nsource_hz = 10\ntiers_hz = [1, 2, 3, 4, 5, 8]\n`,
+  );
+  // Of the smallest block around each mark: no whole rule.
+  const marked = () => [...document.querySelectorAll(".finding-mark")].map((mark) => mark.parentElement?.textContent);
+  for (const [wrong, right] of [
+    ["/sacn", "/scan"],
+    ["/odmo", "/odom"],
+  ] as const) {
+    await ruler.shown(row(wrong).filter({ hasText: right }).first());
+    await expect.poll(() => marked().some((words) => words?.includes(wrong) && !words.includes("IF"))).toBe(true);
+  }
+});
+
 test("rules that break the budget together are found, by their names, and limited to warnings", async () => {
   const ruler = await openRules(`\
 begin
@@ -89,8 +115,8 @@ end
   expect(row("Error").length).toBe(0);
 });
 
-async function openRules(text: string): Promise<RulerPage> {
-  const ruler = await openPage("empty", { files: { "radio.adirf": text, "radio.toml": PROFILE } });
+async function openRules(text: string, profile = PROFILE): Promise<RulerPage> {
+  const ruler = await openPage("empty", { files: { "radio.adirf": text, "radio.toml": profile } });
   await ruler.open("radio.adirf");
   await expect.element(page.getByLabelText("Topic parameters")).toHaveValue("radio.toml");
   return ruler;

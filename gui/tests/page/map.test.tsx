@@ -40,8 +40,9 @@ test("a moved zone changes four numbers and nothing else", async () => {
 test("an added zone is what its fields say", async () => {
   const { ruler, map } = await openMap();
   const add = ruler.button("Add the zone");
-  await ruler.button("Type a zone").click();
-  await map.form.getByLabelText("x to (m)").fill("wide");
+  await map.tool("Draw a rectangle");
+  await expect.element(add).toBeDisabled();
+  await map.typeSides("0", "wide");
   await expect.element(page.getByText('"x to (m)" is not a number.')).toBeVisible();
   await expect.element(add).toBeDisabled();
   await map.form.getByLabelText("x to (m)").fill("-1");
@@ -51,8 +52,7 @@ test("an added zone is what its fields say", async () => {
   await ruler.shown(page.getByRole("group", { name: "Zone of Zone 1" }));
   expect(map.sides()).toEqual(["11", "15", "7", "11.25"]);
 
-  await ruler.button("Type a zone").click();
-  await map.form.getByLabelText("Shape").selectOptions("Polygon");
+  await map.tool("Draw a polygon");
   const corners = map.form.getByLabelText("Corners");
   await corners.fill("0 0, 4 0, 4 2, 0 2");
   await map.form.getByRole("button", { name: "Show" }).click();
@@ -67,8 +67,7 @@ test("an added zone is what its fields say", async () => {
 
 test("what adds a polygon is seen", async () => {
   const { ruler, map } = await openMap();
-  await ruler.button("Type a zone").click();
-  await map.form.getByLabelText("Shape").selectOptions("Polygon");
+  await map.tool("Draw a polygon");
   await map.form.getByLabelText("Corners").fill("0 0, 4 0, 2 3");
   await map.form.getByRole("button", { name: "Show" }).click();
   await expect.element(page.getByText("Rules know rectangles only")).toBeVisible();
@@ -100,7 +99,7 @@ test("a zone is made and moved with the keyboard alone", async () => {
   await ruler.walk("Tab", "Text");
   await commands.press("ArrowRight");
   await ruler.shown(page.getByRole("application", { name: "Zones on the map" }));
-  await ruler.walk("Tab", "Type a zone");
+  await ruler.walk("Tab", "Draw a rectangle");
   await commands.press("Enter");
   for (const [label, value] of Object.entries({ "x from": "11", "x to": "15", "y from": "7", "y to": "11.25" })) {
     await walkToField(label);
@@ -182,8 +181,9 @@ test("a robot that knows its place in the map is drawn there and read there", as
   await page.getByLabelText("Path of").selectOptions("monday");
   const note = page.getByText("The path is that of /amcl_pose, in the frame map.");
   await expect.element(note).toHaveTextContent("Zones read /odom, whose positions may lie elsewhere.");
-  await ruler.button("Type a zone").click();
+  await map.tool("Draw a rectangle");
   await expect.element(map.form.getByLabelText("Position from")).toHaveValue("/amcl_pose");
+  await map.typeSides("0", "1", "0", "1");
   await ruler.button("Add the zone").click();
   await ruler.shown(page.getByRole("group", { name: "Zone of Zone 1" }));
   expect(await saved(ruler)).toContain("CheckValue /amcl_pose pose_x > 0");
@@ -204,8 +204,9 @@ test.each([
   ["Full", "10"],
   ["25", "Full"],
 ])("a new zone proposes a rate that is not the default: %s", async (usual, proposed) => {
-  const { ruler } = await openMap({ rules: RULES.replace("/odom 10 ", `/odom ${usual} `) });
-  await ruler.button("Type a zone").click();
+  const { ruler, map } = await openMap({ rules: RULES.replace("/odom 10 ", `/odom ${usual} `) });
+  await map.tool("Draw a rectangle");
+  await map.typeSides("0", "1", "0", "1");
   await ruler.button("Add the zone").click();
   await ruler.shown(page.getByRole("group", { name: "Zone of Zone 1" }));
   expect(await saved(ruler)).toContain(`SetFrequency /odom ${proposed}\n    EndIf\nend`);

@@ -22,13 +22,37 @@ tiers_hz = [1, 2, 5, 10, 15, 20]
 `;
 const NAMED_KEYS = ["Enter", "Tab", "Escape", "End", "ArrowUp"];
 
-test.each(["Enter", "Tab"])("%s takes the one topic that begins as what is typed", async (key) => {
+test.each([
+  ["/im", "Enter", "/imu"],
+  ["/im", "Tab", "/imu"],
+  ["/camera/image_raw/comp", "Enter", "/camera/image_raw/compressed"],
+  ["/camera/image_raw/comp", "Tab", "/camera/image_raw/compressed"],
+])("of %s %s makes the one topic that begins so", async (typed, key, topic) => {
   const ruler = await openDock();
   await (await ruler.field("Edit topic to send")).click();
-  await commands.type("/im");
-  await expect.element(option("/imu")).toHaveAttribute("aria-selected", "true");
+  await commands.type(typed);
+  await expect.element(option(topic)).toHaveAttribute("aria-selected", "true");
   await commands.press(key);
-  await ruler.expectLines("SetFrequency /imu 4");
+  await ruler.expectLines(`SetFrequency ${topic} 4`);
+});
+
+test("a name that neither robot, recording nor profile has is marked", async () => {
+  const ruler = await openDock();
+  await (await ruler.field("Edit topic to send")).click();
+  await commands.type("/sacn");
+  await ruler.shown(page.getByText("“/sacn” is kept as typed: not on the robot, in the recording or the profile"));
+  await commands.press("Enter");
+  await ruler.expectLines("SetFrequency /sacn 4");
+  await (await ruler.field("Edit topic to send: /sacn")).click();
+  await expect.element(option("/imu")).toHaveTextContent("not on the robot, in the recording or the profile");
+  await expect.element(option("/odom")).toHaveTextContent("20 Hz in dock.toml");
+});
+
+test("topics of the recording are offered", async () => {
+  const ruler = await openPage("monday", { files: { "dock.adirf": RULES } });
+  await ruler.open("dock.adirf");
+  await (await ruler.field("Edit topic to send")).click();
+  await expect.element(option("/map_name")).toHaveTextContent("in the recording");
 });
 
 test("a name that nobody knows is kept as typed", async () => {

@@ -98,7 +98,7 @@ def at_list_of_blocks(ruler: RulerPage) -> None:
 def at_map(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.page.get_by_role("tab", name="Map").click()
-    ruler.page.get_by_role("button", name="Type a zone").click()
+    ruler.page.get_by_role("button", name="Draw a rectangle").click()
 
 
 def at_versions(ruler: RulerPage) -> None:

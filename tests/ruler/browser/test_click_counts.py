@@ -17,13 +17,14 @@ from ruler.browser.ruler_page import RulerPage
 
 MOST_CLICKS_TO_SENT_RULES = 13
 MOST_CLICKS = 15
+MOST_CLICKS_OF_A_ZONE = 6
 MOST_KEYS = 60
 MOST_KEYS_WITHOUT_A_MOUSE = 135
 FIVE_DEFAULTS = re.compile(r"begin\n(    SetFrequency \S+ [1-5]\n){5}\n")
 EVERYTHING = (
     FIVE_DEFAULTS,
     re.compile(r'Rule "Zone 1"\n    If \(\n( +(AND )?\(?CheckValue /odom pose_[xy] [<>] -?[\d.]+.*\n){4}'),
-    re.compile(r"CheckValue /odom pose_y < \S+ For 3 s"),
+    re.compile(r"CheckValue /odom pose_y < \S+\n\s*\) For 3 s"),
     re.compile(r"KeepWithin /odom position 0\.1\n"),
     re.compile(r'Record "bay" /odom Before \d+ s After \d+ s\n'),
     re.compile(r'Rule "Low battery"'),
@@ -75,6 +76,25 @@ def test_from_a_recording_to_rules_with_a_zone_that_are_downloaded(ruler: RulerP
     ruler.forgive("422")
 
 
+def test_a_zone_of_the_map_is_a_rule_in_few_clicks(ruler: RulerPage, project: Path) -> None:
+    me = CountedPage(ruler.page)
+    me.click("button", "New Rule File")
+    me.type("shelf")
+    me.press("Enter")
+    _draw_zone(ruler, me)
+    me.click("button", "Edit rate…")
+    me.type("4")
+    me.press("Enter")
+    ruler.field("Edit rate: 4").wait_for()
+    ruler.field("zone: Zone 1").wait_for()
+    me.press("Control+s")
+    me.sees("Saved shelf.adirf")
+    text = (project / "shelf.adirf").read_text()
+    assert EVERYTHING[1].search(text), text
+    assert "SetFrequency /odom 4\n" in text
+    assert me.clicks <= MOST_CLICKS_OF_A_ZONE, me.done
+
+
 def test_a_file_with_everything_takes_few_clicks_and_keys(ruler: RulerPage, project: Path) -> None:
     me = CountedPage(ruler.page)
     me.click("button", "New Rule File")
@@ -113,7 +133,7 @@ def test_a_file_with_everything_is_made_without_a_mouse(ruler: RulerPage, projec
     ruler.page.get_by_role("option", name="Zone 1").first.wait_for()
     me.press("Enter")
     me.await_focus("Begin stack, rule, Zone 1")
-    me.walk("ArrowDown", "AND, /odom, pose_y, <")
+    me.walk("ArrowDown", " inside, Zone 1")
     me.walk("ArrowRight", "Add time")
     me.press("Enter")
     _type_time(ruler, me)
@@ -141,7 +161,7 @@ def test_a_file_with_everything_is_made_without_a_mouse(ruler: RulerPage, projec
 def _type_zone(ruler: RulerPage, me: CountedPage) -> None:
     me.walk("Tab", "Text")
     me.press("ArrowRight")
-    me.walk("Tab", "Type a zone")
+    me.walk("Tab", "Draw a rectangle")
     me.press("Enter")
     me.walk_to_field("x from (m)")
     for side_m in ("2", "9", "1", "3"):

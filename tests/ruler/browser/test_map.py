@@ -67,7 +67,7 @@ def test_a_zone_drawn_with_the_mouse_is_the_rule_in_the_text(ruler: RulerPage, p
         f"        AND CheckValue /odom pose_y < {high}\n"
         "    )\n    Then\n        SetFrequency /odom 10\n    EndIf\nend\n"
     )
-    ruler.field("Edit value: ").wait_for()
+    ruler.field("zone: Zone 1").wait_for()
 
 
 def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path) -> None:
