@@ -101,7 +101,7 @@ test.each([1280, 820, 390])("a list is whole on every screen: %i", async (width)
   await resize(width, 800);
   const ruler = await openDock();
   // The text of the selected rule would stand beside the list.
-  await page.getByRole("tab", { name: "Map" }).click();
+  await ruler.pane("Map").click();
   await (await ruler.field("Edit topic to send")).click();
   // It is put where there is room for it once it is filled.
   await expect
