@@ -42,7 +42,7 @@ test.each(WIDTHS_PX)("the bar of topic parameters is one row as well: %i", async
   await expectOneRow();
 });
 
-test("the bar has four things, of which none changes, and a menu", async () => {
+test("the bar has five things, of which none changes, and a menu", async () => {
   const ruler = await openPage("empty", { files: FILES });
   await ruler.open("zone.adirf");
   const bar = page.getByRole("toolbar", { name: "Tools" });

@@ -27,7 +27,7 @@ export class MapPage {
   private constructor(private readonly ruler: RulerPage) {}
 
   static async open(ruler: RulerPage): Promise<MapPage> {
-    await ruler.pane("Map").click();
+    await ruler.openPane("Map");
     const map = new MapPage(ruler);
     await ruler.shown(map.canvas);
     await expect.element(page.getByText("Loading the map …")).not.toBeInTheDocument();

@@ -58,7 +58,7 @@ test("a new rule and a new check accuse nobody until they are changed or used, a
   await ruler.shown(findings().filter({ hasText: "never hold" }));
   expect((await boxOf(name)).left).toBe(left);
   expect((await boxOf(marks().first())).right).toBeLessThan(left);
-  await ruler.pane("Try on a recording").click();
+  await ruler.openPane("Try on a recording");
   await page.getByRole("button", { name: /^Findings/ }).click();
   await ruler.shown(findings().filter({ hasText: "changes nothing" }));
 });

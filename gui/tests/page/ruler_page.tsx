@@ -170,6 +170,12 @@ export class RulerPage {
     return page.getByRole("group", { name: "Unfold" }).getByRole("button", { name, exact: true });
   }
 
+  /** Unfolds that, where it is not open. */
+  async openPane(name: string): Promise<void> {
+    const button = await this.pane(name).findElement();
+    if (button.getAttribute("aria-expanded") === "false") await this.pane(name).click();
+  }
+
   /** Opens what each topic takes of the budget. */
   async openRates(): Promise<void> {
     await page.getByRole("button", { name: /^Budget …|KB\/s$/ }).click();

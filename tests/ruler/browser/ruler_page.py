@@ -88,6 +88,11 @@ class RulerPage:
         """What unfolds beside or below the blocks."""
         return self.page.get_by_role("group", name="Unfold").get_by_role("button", name=name, exact=True)
 
+    def open_pane(self, name: str) -> None:
+        """Unfold that, where it is not open."""
+        if self.pane(name).get_attribute("aria-expanded") == "false":
+            self.pane(name).click()
+
     def open_rates(self) -> None:
         """Open what each topic takes of the budget."""
         self.page.get_by_role("button", name=re.compile("^Budget …|KB/s$")).click()

@@ -97,7 +97,7 @@ def at_list_of_blocks(ruler: RulerPage) -> None:
 
 def at_map(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.pane("Map").click()
+    ruler.open_pane("Map")
     ruler.page.get_by_role("button", name="Type a zone").click()
 
 
@@ -119,12 +119,12 @@ def at_optimizer(ruler: RulerPage) -> None:
 
 def at_robot(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.pane("Robot").click()
+    ruler.open_pane("Robot")
 
 
 def at_trial(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.pane("Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("region", name="Decisions").wait_for()
 
@@ -206,7 +206,7 @@ def at_accuracies(ruler: RulerPage) -> None:
 def at_zones(ruler: RulerPage) -> None:
     """A zone that is chosen on the map, which has the whole page."""
     ruler.open("warehouse.adirf")
-    ruler.pane("Map").click()
+    ruler.open_pane("Map")
     ruler.page.get_by_role("list", name="Zones").get_by_role("button").first.click()
     ruler.page.get_by_role("group", name="Zone of").wait_for()
     ruler.page.get_by_role("button", name="Full screen: map").click()

@@ -107,7 +107,7 @@ def test_the_page_of_a_robot_shows_a_value_its_threshold_and_when_each_rule_held
 
 def test_beside_the_same_rules_the_line_is_dragged_and_written_into_them(page: RulerPage) -> None:
     page.page.evaluate("location.hash = '#/rules/patrol.adirf'")
-    page.pane("Robot").click()
+    page.open_pane("Robot")
     checks = section(page)
     checks.get_by_role("combobox", name="Value and threshold of").select_option(CHECK)
     line = checks.get_by_role("slider", name="Threshold")

@@ -125,7 +125,7 @@ def test_blocks_come_when_the_server_is_back(page: RulerPage, server: Server) ->
 def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:
     server.stop()
     expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
-    page.pane("Map").click()
+    page.open_pane("Map")
     loading = page.page.get_by_text("Loading the map …")
     expect(loading).to_be_visible()
     server.start()
