@@ -41,7 +41,7 @@ def show_robot(page: Page, url: str) -> None:
     page.get_by_label("Updates (1/s)").select_option("20")
     places.get_by_role("link", name="Rules").click()
     page.get_by_role("link", name="rules.adirf").click()
-    page.get_by_role("tab", name="Robot", exact=True).click()
+    page.get_by_role("button", name="Robot", exact=True).click()
     page.get_by_role("row").nth(TOPIC_COUNT).wait_for()
 
 

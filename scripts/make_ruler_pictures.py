@@ -45,13 +45,12 @@ def button(page: Page, name: str) -> Locator:
 
 
 def overview(studio: Studio) -> None:
-    """Blocks, text, and the load of each situation against the budget."""
+    """Blocks with the budget above them, text, and findings."""
     page = studio.open_page(height=900)
     open_rules(page, "quality/inspection.adirf")
-    button(page, "Optimize and Download").click()
-    page.get_by_label("Topic parameters").select_option("quality/radio.toml")
-    button(page, "Download rates").wait_for()
-    page.get_by_text("Inspection", exact=True).last.wait_for()
+    button(page, "Text").click()
+    page.get_by_role("button", name=re.compile("^Findings")).click()
+    page.get_by_role("button", name=re.compile("KB/s$")).wait_for()
     studio.draw(page, "")
 
 
@@ -74,7 +73,8 @@ def trial(studio: Studio) -> None:
     """What the rules do to the demo's recording, among the scaffolding."""
     page = studio.open_page(height=1060, dark=True)
     open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Try on a recording", exact=True).click()
+    button(page, "Text").click()
+    button(page, "Try on a recording").click()
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Run the rules on it").click()
     slider = page.get_by_role("slider", name="Time in the recording (s)")
@@ -88,7 +88,7 @@ def trial_of_folder(studio: Studio) -> None:
     """What the rules do to a week of recordings, the worst first."""
     page = studio.open_page(height=860)
     open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Try on a recording", exact=True).click()
+    button(page, "Try on a recording").click()
     page.get_by_role("combobox", name="Recording").select_option("week/")
     button(page, "Run the rules on them").click()
     total = page.get_by_role("rowheader", name=f"Total of {len(WEEK)} recordings")
@@ -111,7 +111,7 @@ def zones(studio: Studio) -> None:
     """A zone on the demo's map that clashes with another rule."""
     page = studio.open_page(width=1440, height=1000)
     blocks = open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Map", exact=True).click()
+    button(page, "Map").click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     page.get_by_label("Path of").select_option(RECORDING)
     button(page, "Draw a rectangle").click()
@@ -135,10 +135,10 @@ def keep_incident(studio: Studio) -> Page:
     """Keep what a rule would have recorded; the page shows it."""
     page = studio.open_page()
     open_rules(page, "near_miss.adirf")
-    page.get_by_role("tab", name="Map", exact=True).click()
+    button(page, "Map").click()
     page.get_by_label("Background").select_option("Map: warehouse_map.yaml")
     button(page, "Save").click()
-    page.get_by_role("tab", name="Try on a recording", exact=True).click()
+    button(page, "Try on a recording").click()
     page.get_by_role("combobox", name="Recording").select_option(RECORDING)
     button(page, "Run the rules on it").click()
     page.get_by_role("button", name="Keep it: near miss").first.click(timeout=300_000)
@@ -171,7 +171,7 @@ def open_robot(studio: Studio) -> Page:
     """Open the rules of the simulated robot beside its state."""
     page = studio.open_page(height=1000)
     open_rules(page, "warehouse.adirf")
-    page.get_by_role("tab", name="Robot", exact=True).click()
+    button(page, "Robot").click()
     return page
 
 
@@ -198,7 +198,8 @@ def send(studio: Studio) -> None:
 def robots(studio: Studio, silent: subprocess.Popen[str]) -> None:
     """Three robots, of which one falls silent and one has no operator."""
     page = studio.open_page(height=420)
-    page.get_by_role("link", name="Robots", exact=True).click()
+    # The name of the place says how many are in trouble.
+    page.get_by_role("navigation", name="Places").get_by_role("link", name="Robots").click()
     rows = page.get_by_role("table", name="Robots").locator("tbody").get_by_role("row")
     rows.nth(2).wait_for(timeout=120_000)
     rows.filter(has_text=re.compile(r"ada.*(not the limit|[^.]\d\d KB/s), round trip.*\d+ ms /")).wait_for(
@@ -257,7 +258,7 @@ def draw_robot_sheet(screens: Sequence[Studio], rules: str, settings: Mapping[st
         pages = [open_robot(screen) for screen in screens]
         wait_for_corridor(pages[0])
         for screen, page in zip(screens, pages, strict=True):
-            page.get_by_role("tabpanel", name="robot").evaluate("panel => panel.scrollIntoView()")
+            page.get_by_role("region", name="Results").evaluate("panel => panel.scrollIntoView()")
             screen.draw(page, "robot")
 
 

@@ -13,6 +13,7 @@ import { WorkProgress } from "../ui/notice";
 import { AccuracyTables, CurveTable, needOf } from "./curve_tables";
 import { boundsIn, moved, RATES, stopped } from "./level_axis";
 import { type Chart, LevelPlot } from "./level_plot";
+import { RateDots } from "./rate_dots";
 
 const RATES_OF = "Rates";
 const PROPERTIES = Object.keys(ACCURACY_UNITS) as LevelledProperty[];
@@ -74,6 +75,7 @@ function RateLevels({ editor, row, bag }: { editor: ProfileEditor; row: DraftRow
   const { topic } = row;
   const { work, state, found: curve } = useMeasured<Curve>(topic, bag);
   const [note, setNote] = useState("");
+  const [pointed, setPointed] = useState<number | null>(null);
   const chart = useMemo(() => errorChart(curve), [curve]);
   const levels = levelsOf(row);
   const measure = () =>
@@ -102,7 +104,8 @@ function RateLevels({ editor, row, bag }: { editor: ProfileEditor; row: DraftRow
           No number in {topic} ever changed in {bag}, so there is no curve.
         </p>
       )}
-      <LevelPlot of={topic} kind={RATES} axisLabel="Rate (Hz)" {...{ levels, chart, move }} />
+      <LevelPlot of={topic} kind={RATES} axisLabel="Rate (Hz)" {...{ levels, chart, move }} pointed={setPointed} />
+      {levels && <RateDots rate_hz={pointed ?? levels[0] ?? 0} source_hz={sourceOf(row, curve)} />}
       <p role="status">{note || (levels ? "" : `${topic} has no six levels yet.`)}</p>
       {curve && chart && <CurveTable curve={curve} />}
     </>
@@ -141,7 +144,7 @@ function Proposal(props: {
       />
     );
   }
-  const source_hz = toNumber(row.source_hz) ?? curve?.source_hz ?? null;
+  const source_hz = sourceOf(row, curve);
   if (props.hasLevels || source_hz === null || !isNumber(row.source_hz)) return null;
   const guess = async () => {
     try {
@@ -152,6 +155,10 @@ function Proposal(props: {
     }
   };
   return <Button label="Place six levels" onClick={() => void guess()} />;
+}
+
+function sourceOf(row: DraftRow, curve: Curve | null): number | null {
+  return toNumber(row.source_hz) ?? curve?.source_hz ?? null;
 }
 
 /** The levels of a row; null unless all six are numbers that do not fall. */

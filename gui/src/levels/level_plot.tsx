@@ -17,8 +17,10 @@ export function LevelPlot(props: {
   chart: Chart | null;
   axisLabel: string;
   move: (index: number, value: number, goesOn: boolean) => void;
+  /** Somebody points at a value, or has the focus on the level of it. */
+  pointed?: (value: number) => void;
 }) {
-  const { kind, levels, chart, axisLabel, move } = props;
+  const { kind, levels, chart, axisLabel, move, pointed = () => undefined } = props;
   const host = useRef<HTMLDivElement>(null);
   const [area, setArea] = useState({ left: 0, width: 0 });
   const [isDragging, setDragging] = useState(false);
@@ -46,8 +48,15 @@ export function LevelPlot(props: {
     <div class="level-plot">
       <div ref={host} class="level-host" aria-hidden="true" />
       {levels && (
-        <div class="level-area" style={{ left: `${area.left}px`, width: `${area.width}px` }}>
-          <LevelLines of={props.of} {...{ kind, levels, move }} axis={axis.current} dragging={setDragging} />
+        <div
+          class="level-area"
+          style={{ left: `${area.left}px`, width: `${area.width}px` }}
+          onPointerMove={(event) => {
+            const { left, width } = event.currentTarget.getBoundingClientRect();
+            pointed(rounded(valueAt(axis.current, (event.clientX - left) / width)));
+          }}
+        >
+          <LevelLines of={props.of} {...{ kind, levels, move, pointed }} axis={axis.current} dragging={setDragging} />
         </div>
       )}
     </div>
@@ -66,6 +75,7 @@ function LevelLines(props: {
   levels: readonly number[];
   axis: LevelAxis;
   move: (index: number, value: number, goesOn: boolean) => void;
+  pointed: (value: number) => void;
   /** Somebody drags, or has stopped to. */
   dragging: (isDragging: boolean) => void;
 }) {
@@ -110,6 +120,7 @@ function LevelLines(props: {
             aria-valuemax={most}
             aria-valuenow={value}
             aria-valuetext={`${readable(value)} ${unit}`}
+            onFocus={() => props.pointed(value)}
             onPointerDown={(event) => press(event, index)}
             onPointerMove={follow}
             onPointerUp={release}
@@ -119,6 +130,7 @@ function LevelLines(props: {
               if (next === null) return;
               event.preventDefault();
               props.move(index, next, false);
+              props.pointed(next);
             }}
           />
         );

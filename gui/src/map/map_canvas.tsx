@@ -22,6 +22,8 @@ export function MapCanvas(props: {
   zones?: readonly MapZone[];
   /** Whether the path is seen from near at first, and not all of the picture. */
   isNear?: boolean;
+  /** Whether the path grows while somebody looks: a map that they moved stays where it is. */
+  isLive?: boolean;
   owner?: MapOwner;
   opened?: (view: MapView | null) => void;
 }) {
@@ -55,7 +57,8 @@ export function MapCanvas(props: {
   useEffect(() => view?.setPath(path), [view, path]);
   useEffect(() => view?.setDots(dots), [view, dots]);
   useEffect(() => view?.setZones(zones), [view, zones]);
-  useEffect(() => view?.fit(props.isNear ? path : []), [view, picture, path]);
+  useEffect(() => view?.fit(props.isNear ? path : []), [view, picture, props.isLive ? null : path]);
+  useEffect(() => view?.resize(), [path]);
   return (
     <div class="map" onWheel={({ ctrlKey, metaKey }) => setIsWheeled(!ctrlKey && !metaKey)}>
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard moves the map */}

@@ -5,7 +5,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import { refusalOf } from "../api/client";
 import type { Fallback, Project, RobotSummary } from "../api/types";
 import { RobotStart } from "../panels/project_start";
-import { RobotDetails, RobotHistory, RobotTopics, RobotTotals } from "../panels/robot_view";
+import { RobotDetails, RobotTopics, RobotTotals } from "../panels/robot_view";
 import { href } from "../route";
 import { duration, inOrderOf, linkWords, rulesFor } from "../state/robot_trouble";
 import { Button } from "../ui/button";
@@ -18,7 +18,7 @@ import { Problem } from "../ui/notice";
 import { moment, readable } from "../ui/numbers";
 import type { PageProps } from "./page_props";
 
-const RobotChecks = later(async () => (await import("../panels/robot_checks")).RobotChecks);
+const RobotPast = later(async () => (await import("../panels/robot_past")).RobotPast);
 
 /** All robots that are heard, or, with a name, that robot without any rules beside it. */
 export function RobotsPage({ api, project, refresh, name }: PageProps) {
@@ -126,8 +126,7 @@ function OneRobot({ node, ...props }: Pick<PageProps, "api" | "project" | "refre
         {live && <RobotTotals live={live} />}
         {live && <RobotTopics link={link} live={live} />}
         {live && <RobotDetails link={link} live={live} />}
-        {link.robot.value?.node === node && <RobotChecks api={props.api} node={node} propose={null} />}
-        {link.robot.value?.node === node && <RobotHistory api={props.api} node={node} />}
+        {link.robot.value?.node === node && <RobotPast api={props.api} node={node} propose={null} />}
       </main>
     </>
   );

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { computed, effect, type ReadonlySignal, useComputed, useSignal } from "@preact/signals";
+import { computed, effect, type ReadonlySignal, untracked, useComputed, useSignal } from "@preact/signals";
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
-import type { FoundFile, RuleDocument, ZoneRectangle } from "../api/types";
+import type { FoundFile, RuleDocument, Statement, ZoneRectangle } from "../api/types";
 import { toCondition } from "../blocks/model";
 import type { DrawValues } from "../blocks/number_field";
 import type { NewStatement } from "../blocks/rule_words";
@@ -25,8 +25,17 @@ import { isNarrow, watchNarrow, watchSize, watchTheme } from "../ui/watch";
 import { isLong, RuleOutline } from "./rule_outline";
 import { RuleSearch } from "./rule_search";
 
-/** The left half: the rules as blocks. */
-export function BlocksPane({ children, ...props }: Omit<Shown, "isServerGone"> & { children: ComponentChildren }) {
+interface PaneProps extends Omit<Shown, "isServerGone"> {
+  /** The end of the bar. */
+  budget: ComponentChildren;
+  /** What stands beside the blocks. */
+  beside: ComponentChildren;
+  /** What unfolds the other panes. */
+  children: ComponentChildren;
+}
+
+/** The rules as blocks, below a bar for all that is done with them. */
+export function BlocksPane({ budget, beside, children, ...props }: PaneProps) {
   const { editor, robotRules } = props;
   const workspace = useRef<RuleWorkspace | null>(null);
   const isBelow = useSignal(isNarrow());
@@ -50,58 +59,66 @@ export function BlocksPane({ children, ...props }: Omit<Shown, "isServerGone"> &
   const add = (kind: NewStatement) => void workspace.current?.addStatement(kind);
   const go = (index: number) => void workspace.current?.unfold(index);
   return (
-    <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
-      <div class="pane-bar">
-        <h2>Blocks</h2>
-        <NeedsServer>
-          <Button label="New rate" class="small" disabled={isReadOnly} onClick={() => add("rate")} />
-          <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => add("rule")} />
-        </NeedsServer>
-        <RuleSearch {...{ editor, robotRules }} onGo={go} onAdd={isReadOnly ? null : add} />
-        {isMany && (
-          <Button
-            label="Outline"
-            class="small"
-            aria-expanded={hasOutline.value}
-            onClick={() => (hasOutline.value = !hasOutline.value)}
-          />
-        )}
+    <>
+      <div class="rules-top">
+        <div class="pane-bar rules-bar">
+          <NeedsServer>
+            <Button label="New rate" class="small" disabled={isReadOnly} onClick={() => add("rate")} />
+            <Button label="New rule" class="small" disabled={isReadOnly} onClick={() => add("rule")} />
+          </NeedsServer>
+          <RuleSearch {...{ editor, robotRules }} onGo={go} onAdd={isReadOnly ? null : add} />
+          {isMany && (
+            <Button
+              label="Outline"
+              class="small"
+              aria-expanded={hasOutline.value}
+              onClick={() => (hasOutline.value = !hasOutline.value)}
+            />
+          )}
+          {isBehind && (
+            <p class="pane-note" role="status">
+              The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
+            </p>
+          )}
+          {budget}
+        </div>
         {children}
-        {isBehind && (
-          <p class="pane-note" role="status">
-            The text has {errors === 1 ? "an error" : `${errors} errors`}: the blocks show how it was before.
-          </p>
-        )}
       </div>
-      <div class="blocks-body">
-        {isMany && hasOutline.value && (
-          <RuleOutline
-            {...{ editor, robotRules }}
-            onGo={(index) => {
-              // On a narrow page it covers the blocks.
-              if (isBelow.value) hasOutline.value = false;
-              go(index);
-            }}
-            onFoldAll={(isFolded) => void workspace.current?.foldAll(isFolded)}
-          />
-        )}
-        <BlocksHost
-          {...props}
-          // What is beside the blocks of a wide page is above those of a narrow one, from when they are made.
-          key={isBelow.value ? "narrow" : "wide"}
-          opened={(opened) => {
-            workspace.current = opened;
-            isLoaded.value = opened !== null;
-          }}
-        />
+      <div class="split">
+        <section class={isBehind ? "pane blocks behind" : "pane blocks"} aria-label="Blocks">
+          <h2 class="visually-hidden">Blocks</h2>
+          <div class="blocks-body">
+            {isMany && hasOutline.value && (
+              <RuleOutline
+                {...{ editor, robotRules }}
+                onGo={(index) => {
+                  // On a narrow page it covers the blocks.
+                  if (isBelow.value) hasOutline.value = false;
+                  go(index);
+                }}
+                onFoldAll={(isFolded) => void workspace.current?.foldAll(isFolded)}
+              />
+            )}
+            <BlocksHost
+              {...props}
+              // What is beside the blocks of a wide page is above those of a narrow one, from when they are made.
+              key={isBelow.value ? "narrow" : "wide"}
+              opened={(opened) => {
+                workspace.current = opened;
+                isLoaded.value = opened !== null;
+              }}
+            />
+          </div>
+          {editor.isEmpty.value && (
+            <p class="empty-hint">
+              Begin with <strong>New rate</strong>: how often a topic is sent while no rule decides. Then add a{" "}
+              <strong>New rule</strong>: when that changes. Recipes are in the list of blocks.
+            </p>
+          )}
+        </section>
+        {beside}
       </div>
-      {editor.isEmpty.value && (
-        <p class="empty-hint">
-          Begin with <strong>New rate</strong>: how often a topic is sent while no rule decides. Then add a{" "}
-          <strong>New rule</strong>: when that changes. Recipes are in the list of blocks.
-        </p>
-      )}
-    </section>
+    </>
   );
 }
 
@@ -137,13 +154,15 @@ interface Shown {
   recording: () => FoundFile | undefined;
   /** Somebody wants to draw a zone of a rule on the map. */
   onDrawZone: (rule: string, rectangle: ZoneRectangle) => void;
+  /** Whether the rules are to be seen as text, too. */
+  hasText: () => boolean;
   isServerGone: ReadonlySignal<boolean>;
 }
 
 function openWorkspace(
   Workspace: typeof RuleWorkspace,
   host: HTMLElement,
-  { editor, robotRules, tried, recording, onDrawZone, isServerGone }: Shown,
+  { editor, robotRules, tried, recording, onDrawZone, hasText, isServerGone }: Shown,
 ): { workspace: RuleWorkspace; close: () => void } {
   const show = () => {
     const shown = editor.shown.peek();
@@ -198,6 +217,11 @@ function openWorkspace(
       const spot = editor.spot.value;
       const isElsewhere = spot !== null && spot.from !== "blocks";
       workspace.reveal(isElsewhere ? (editor.statementAt(spot.offset)?.id ?? null) : null);
+    }),
+    effect(() => {
+      const spot = editor.spot.value;
+      const at = untracked(() => editor.statements.value.indexOf(editor.statementAt(spot?.offset ?? -1) as Statement));
+      if (spot?.from === "findings" && at >= 0 && !editor.isBroken.peek() && !hasText()) void workspace.unfold(at);
     }),
     watchSize(host, () => workspace.resize()),
     watchTheme(() => workspace.applyTheme()),

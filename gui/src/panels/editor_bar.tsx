@@ -19,26 +19,25 @@ interface Props {
   project: Project;
   rulePush: RulePush;
   robotRules: RobotRules;
-  onTool: (tool: "try" | "robot") => void;
+  onSend: () => void;
   onDownload: () => void;
 }
 
-/** What can be done with the rules: keep them, go back, try them, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, project, rulePush, robotRules, onTool, onDownload }: Props) {
+/** What can be done with the rules: keep them, go back, and send or download them; the rest is in the menu. */
+export function EditorBar({ editor, project, rulePush, robotRules, onSend, onDownload }: Props) {
   const { history } = editor;
   const sharing = useSignal<Sharing>(null);
   const hasVersions = useSignal(false);
   const closeVersions = () => (hasVersions.value = false);
   const next = useNextStep(editor, robotRules);
   const send = () => {
-    onTool("robot");
-    void rulePush.ask();
+    onSend();
+    void editor.format().then(() => rulePush.ask());
   };
   const isSaved = editor.isSaved.value;
   const menu = (
     <>
       <NeedsServer>
-        <MenuItem label="Format" icon="format" act={() => void editor.format()} />
         <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
         <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
         <MenuItem label="Versions" icon="versions" act={() => (hasVersions.value = true)} />
@@ -65,9 +64,6 @@ export function EditorBar({ editor, project, rulePush, robotRules, onTool, onDow
           undo={() => editor.undo()}
           redo={() => editor.redo()}
         />
-        <div class="tool-group" role="group" aria-label="Try">
-          <ToolButton label="Try on a recording" short="Try" icon="try" act={() => onTool("try")} />
-        </div>
         <div class="tool-group" role="group" aria-label="Send or download">
           <NeedsServer changes>
             <ToolButton label={SEND} short="Send" icon="send" isNext={next === "send"} act={send} />

@@ -7,11 +7,11 @@ import { checkOfRobot, writeThreshold } from "../state/written_checks";
 import { Choice } from "../ui/choice";
 import { useRobot } from "../ui/connection";
 import { later } from "../ui/later";
-import type { Propose } from "./robot_checks";
-import { RobotHistory, RobotTopics, RobotTotals } from "./robot_view";
+import type { Propose } from "./robot_past";
+import { RobotTopics, RobotTotals } from "./robot_view";
 import { RulePushSteps } from "./rule_push_steps";
 
-const RobotChecks = later(async () => (await import("./robot_checks")).RobotChecks);
+const RobotPast = later(async () => (await import("./robot_past")).RobotPast);
 
 /** The running robot: what it relays now, and whether it follows the open rules. */
 export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; rulePush: RulePush }) {
@@ -30,13 +30,12 @@ export function RobotPanel(props: { editor: RuleEditor; robotRules: RobotRules; 
       {live && <RobotTotals live={live} />}
       {live && <RobotTopics link={link} live={live} />}
       {link.robot.value && (
-        <RobotChecks
+        <RobotPast
           api={props.editor.api}
           node={link.robot.value.node}
           propose={props.robotRules.comparison.value.kind === "same" ? proposeIn(props.editor) : null}
         />
       )}
-      {link.robot.value && <RobotHistory api={props.editor.api} node={link.robot.value.node} />}
       {!live && link.connection.value.kind === "connected" && <p class="quiet">Waiting for a status …</p>}
     </div>
   );

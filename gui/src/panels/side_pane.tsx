@@ -1,54 +1,38 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type Signal } from "@preact/signals";
+import { effect } from "@preact/signals";
 import { useEffect, useMemo, useRef } from "preact/hooks";
 import type { PlacedFinding } from "../api/types";
 import { MapFloor } from "../state/map_floor";
 import type { RuleEditor } from "../state/rule_editor";
 import type { ZoneEditor } from "../state/zone_editor";
-import { TextEditor } from "../text/text_editor";
-import { type Tab, Tabs } from "../ui/choice";
+import type { TextEditor } from "../text/text_editor";
 import { useRobot } from "../ui/connection";
-import { type FullScreen, FullScreenButton } from "../ui/panes";
+import { useLoaded } from "../ui/later";
+import { type FullScreen, FullScreenButton, type Side } from "../ui/panes";
 import { FloorChoice, MapPanel } from "./map_panel";
 
-export type Side = "text" | "map";
-
-const CHOICES: Tab<Side>[] = [
-  { value: "text", label: "Text" },
-  { value: "map", label: "Map" },
-];
-
-/** The right half: the rules as text, or their zones on a map. */
-export function SidePane(props: { editor: RuleEditor; zones: ZoneEditor; side: Signal<Side>; full: FullScreen }) {
+/** Beside the blocks: the rules as text, or their zones on a map. */
+export function SidePane(props: { editor: RuleEditor; zones: ZoneEditor; side: Side; full: FullScreen }) {
   const { editor, zones, side, full } = props;
   const floor = useMemo(() => new MapFloor(editor), []);
-  const isMap = side.value === "map";
+  const isMap = side === "map";
+  const hasText = useRef(!isMap);
+  if (!isMap) hasText.current = true;
   const returns = useRobot().returns.value;
   useEffect(() => (isMap ? floor.follow() : undefined), [isMap, returns]);
   useEffect(() => {
     if (!isMap && full.part.peek() === "map") full.leave();
   }, [isMap]);
-  // At once: waiting for the next picture would draw one more for each key.
-  useEffect(
-    () =>
-      effect(() => {
-        const spot = editor.spot.value;
-        if (spot?.from !== "findings" || side.peek() === "text") return;
-        side.value = "text";
-        // The text can only scroll to a place once it is to be seen.
-        requestAnimationFrame(() => (editor.spot.value = { ...spot }));
-      }),
-    [],
-  );
   return (
     <div class="pane side">
-      <div class="pane-bar">
-        <Tabs label="Text or map" choices={CHOICES} chosen={side} />
-        {isMap && <FullScreenButton full={full} part="map" />}
-        {isMap && <FloorChoice {...{ floor, editor }} />}
-      </div>
-      <TextPane editor={editor} hidden={side.value !== "text"} />
+      {isMap && (
+        <div class="pane-bar">
+          <FullScreenButton full={full} part="map" />
+          <FloorChoice {...{ floor, editor }} />
+        </div>
+      )}
+      {hasText.current && <TextPane editor={editor} hidden={isMap} />}
       {isMap && <MapPanel {...{ editor, zones, floor }} />}
     </div>
   );
@@ -57,7 +41,8 @@ export function SidePane(props: { editor: RuleEditor; zones: ZoneEditor; side: S
 /** The rules as text, which is what is saved. */
 function TextPane({ editor, hidden }: { editor: RuleEditor; hidden: boolean }) {
   const host = useRef<HTMLDivElement>(null);
-  useEffect(() => (host.current ? openText(host.current, editor) : undefined), []);
+  const loaded = useLoaded(() => import("../text/text_editor"));
+  useEffect(() => (host.current && loaded ? openText(loaded.TextEditor, host.current, editor) : undefined), [loaded]);
   return (
     <section class="side-part" aria-label="Text" hidden={hidden}>
       <div class="text-host" ref={host} />
@@ -65,16 +50,17 @@ function TextPane({ editor, hidden }: { editor: RuleEditor; hidden: boolean }) {
   );
 }
 
-function openText(host: HTMLElement, editor: RuleEditor): () => void {
+function openText(Editor: typeof TextEditor, host: HTMLElement, editor: RuleEditor): () => void {
   const owner = {
     typed: (value: string) => editor.type(value),
+    left: () => void editor.format(),
     cursorAt: (offset: number) => {
       editor.spot.value = { offset, end_offset: offset, from: "text" };
     },
     fix: (finding: PlacedFinding) => void editor.fix(finding),
     vocabulary: () => editor.words.offered(),
   };
-  const text = new TextEditor(host, owner, editor.text.peek());
+  const text = new Editor(host, owner, editor.text.peek());
   const stops = [
     effect(() => text.setText(editor.text.value)),
     effect(() => {

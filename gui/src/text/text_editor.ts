@@ -36,6 +36,8 @@ const SUGGESTED_AFTER_MS = 200;
 /** What the text tells and asks. */
 interface TextOwner {
   typed(text: string): void;
+  /** Somebody wrote, and is elsewhere now. */
+  left(): void;
   cursorAt(offset: number): void;
   fix(finding: PlacedFinding): void;
   vocabulary(): Vocabulary | null;
@@ -66,6 +68,7 @@ export class TextEditor {
   private readonly view: EditorView;
   /** Whether a change comes from the page and not from a key. */
   private isOurs = false;
+  private isWritten = false;
   private findings: readonly PlacedFinding[] = [];
 
   constructor(
@@ -96,10 +99,12 @@ export class TextEditor {
           }),
           keymap.of([...completionKeymap, ...lintKeymap, ...defaultKeymap]),
           EditorView.contentAttributes.of({ "aria-label": "Rules as text", spellcheck: "false", tabindex: "0" }),
+          EditorView.domEventHandlers({ blur: (event) => this.leave(event.relatedTarget) }),
           EditorView.updateListener.of((update) => {
             if (this.isOurs) return;
             if (update.docChanged) {
               this.text = update.state.doc.toString();
+              this.isWritten = true;
               owner.typed(this.text);
             }
             if (update.selectionSet) owner.cursorAt(update.state.selection.main.head);
@@ -168,6 +173,14 @@ export class TextEditor {
 
   dispose(): void {
     this.view.destroy();
+  }
+
+  private leave(to: EventTarget | null): void {
+    // A window that is left is not the text that is left; its tooltips belong to it.
+    const isHere = !document.hasFocus() || (to instanceof Node && this.view.dom.contains(to));
+    if (isHere || !this.isWritten) return;
+    this.isWritten = false;
+    this.owner.left();
   }
 
   private quietly(work: () => void): void {

@@ -247,6 +247,8 @@ interface TourStep {
   part: string;
 }
 
+const UNFOLD = '[role="group"][aria-label="Unfold"]';
+
 /** The tour of the editor, for people who do not program. */
 const STEPS: readonly TourStep[] = [
   {
@@ -260,30 +262,30 @@ const STEPS: readonly TourStep[] = [
   {
     title: "The same as text",
     text:
-      "Blocks and text always say the same: change whichever you like, Undo covers both. Map, beside it, shows where " +
-      "rules hold as rectangles that you can draw and drag.",
-    part: ".side",
+      "Text unfolds the same rules as text: change whichever you like, Undo covers both. Map shows where rules hold as " +
+      "rectangles that you can draw and drag. What you unfold stays open until you fold it.",
+    part: UNFOLD,
   },
   {
     title: "What is wrong or doubtful",
     text:
       "The findings check your rules while you work and mark the place. Here /imu has no rate of its own outside the " +
-      "loading dock. Many findings are mended with one click, and Why? explains them.",
-    part: '[aria-label="Results"]',
+      "loading dock. Findings unfolds all of them; many are mended with one click, and Why? explains them.",
+    part: UNFOLD,
   },
   {
     title: "Try before you trust",
     text:
-      "Try on a recording plays a recording of your robot and shows what the rules would have sent, and what the operator " +
-      "would have lost. No robot is needed, and nothing is changed.",
-    part: '[role="group"][aria-label="Try"]',
+      "Try plays a recording of your robot and shows what the rules would have sent, and what the operator would have " +
+      "lost. No robot is needed, and nothing is changed.",
+    part: UNFOLD,
   },
   {
     title: "Send or download",
     text:
-      "Optimize and Download turns words such as Desirable into rates that fit your radio link. With a robot, it is " +
-      "Send to robot: that shows what would change, tries it for ten seconds, and goes back by itself unless you keep " +
-      "it. The other one is in the menu. New Rule File, on the first screen, is where your own rules begin.",
+      "Optimize and Download turns words such as Desirable into rates that fit your radio link. With a robot, Send to " +
+      "robot shows what would change, tries it for ten seconds, and goes back by itself unless you keep it. New Rule " +
+      "File, on the first screen, is where your own rules begin.",
     part: '[role="group"][aria-label="Send or download"]',
   },
 ];

@@ -16,6 +16,7 @@ interface PathMapProps {
   picture?: MapPicture | null;
   zones?: readonly MapZone[];
   isNear?: boolean;
+  isLive?: boolean;
 }
 
 /** Where the robot of a recording went, and is at the time of the slider. */
@@ -27,6 +28,7 @@ export function PathMap({
   picture = null,
   zones = NO_ZONES,
   isNear = false,
+  isLive = false,
 }: PathMapProps) {
   const [view, setView] = useState<MapView | null>(null);
   const points = useMemo(() => path.map(([, x, y]): Point => [x, y]), [path]);
@@ -51,7 +53,7 @@ export function PathMap({
           zones={zones}
           path={points}
           dots={dots}
-          isNear={isNear}
+          {...{ isNear, isLive }}
           opened={setView}
         />
       </div>

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { signal } from "@preact/signals";
 import { useRef, useState } from "preact/hooks";
-import { browserStorage } from "../state/drafts";
+import { browserStorage, type DraftStorage } from "../state/drafts";
 import { Icon } from "./button";
 
 /** The parts that can have the whole page. */
@@ -60,6 +60,53 @@ export function FullScreenButton({ full, part }: { full: FullScreen; part: Part 
   );
 }
 
+export type Side = "text" | "map";
+export type Tool = "findings" | "try" | "robot";
+
+export const TOOL_WORDS: Readonly<Record<Tool, string>> = {
+  findings: "Findings",
+  try: "Try on a recording",
+  robot: "Robot",
+};
+
+const OPEN_KEY = "open panes";
+
+/** What is unfolded beside and below the blocks: nothing at first, then what somebody left open in this browser. */
+export class OpenPanes {
+  readonly side = signal<Side | null>(null);
+  readonly tool = signal<Tool | null>(null);
+
+  constructor(private readonly storage = browserStorage()) {
+    const [side, tool] = (storage.getItem(OPEN_KEY) ?? "").split(" ");
+    if (side === "text" || side === "map") this.side.value = side;
+    if (tool === "findings" || tool === "try" || tool === "robot") this.tool.value = tool;
+  }
+
+  open(pane: Side | Tool): void {
+    if (pane === "text" || pane === "map") this.side.value = pane;
+    else this.tool.value = pane;
+    this.keep();
+  }
+
+  fold(part: "side" | "tool"): void {
+    this[part].value = null;
+    this.keep();
+  }
+
+  private keep(): void {
+    store(this.storage, OPEN_KEY, `${this.side.value ?? "-"} ${this.tool.value ?? "-"}`);
+  }
+}
+
+/** Keeps a look of the page, which a browser without room forgets with it. */
+function store(storage: DraftStorage, key: string, value: string): void {
+  try {
+    storage.setItem(key, value);
+  } catch {
+    // It holds nothing but looks.
+  }
+}
+
 const SIZE_KEY = "pane size of ";
 
 /** How much room a pane has, in percent, as somebody left it in this browser, else `usual`; and how to set it. */
@@ -69,11 +116,7 @@ export function usePaneSize(pane: string, usual: number): [percent: number, set:
   const left = storage.getItem(SIZE_KEY + pane);
   const set = (percent: number) => {
     setSizes({ ...sizes, [pane]: percent });
-    try {
-      storage.setItem(SIZE_KEY + pane, String(percent));
-    } catch {
-      // A browser without room forgets it with the page.
-    }
+    store(storage, SIZE_KEY + pane, String(percent));
   };
   return [sizes[pane] ?? (left !== null && Number.isFinite(Number(left)) ? Number(left) : usual), set];
 }

@@ -41,8 +41,8 @@ test("every finding has a way to go", async () => {
 });
 
 test("what the optimizer lacks is measured or entered", async () => {
-  await openPatrol(CAMERA);
-  await page.getByRole("tab", { name: "Optimize" }).click();
+  const ruler = await openPatrol(CAMERA);
+  await ruler.openRates();
   await expect.element(page.getByText("do not say all that is needed of")).toBeVisible();
   await page.getByRole("link", { name: "Enter it in patrol.toml" }).click();
   await expect.element(page.getByLabelText("Total bandwidth (KB/s)")).toHaveValue("8000");

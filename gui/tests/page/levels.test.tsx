@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { expect, test } from "vitest";
+import { expect, onTestFinished, test } from "vitest";
 import { commands, type Locator, page } from "vitest/browser";
 import { boxOf, openPage, resize, typedIn } from "./ruler_page";
 
@@ -39,6 +39,24 @@ test("lines are dragged or moved by keys and the table follows", async () => {
   await ruler.use("Save");
   await expect.element(page.getByText("Saved radio.toml")).toBeVisible();
   expect(await ruler.saved("radio.toml")).toBe(PROFILE.replace("10", "12"));
+});
+
+test("what a rate looks like is shown beside the source, in words where somebody wants no motion", async () => {
+  const ruler = await openPage("radio", { files: { "radio.toml": `${PROFILE}source_hz = 50\n` } });
+  await page.getByRole("link", { name: "radio.toml" }).click();
+  const dots = page.getByRole("group", { name: "What a rate looks like" });
+  await ruler.shown(dots.getByText("50 Hz, as the source sends: one message each 0.02 s"));
+  ((await line("Marginal").findElement()) as HTMLElement).focus();
+  await ruler.shown(dots.getByText("2 Hz: one message each 0.5 s"));
+  const placeOf = () => dots.getByCss("i").first().element().getBoundingClientRect().left;
+  const still = placeOf();
+  await new Promise((done) => setTimeout(done, 700));
+  expect(placeOf()).toBe(still);
+  await commands.emulateMotion("no-preference");
+  onTestFinished(() => commands.emulateMotion("reduce"));
+  ((await line("Acceptable").findElement()) as HTMLElement).focus();
+  await ruler.shown(dots.getByText("5 Hz: one message each 0.2 s"));
+  await expect.poll(placeOf).not.toBe(still);
 });
 
 test.each([1280, 390])("a level's name is inside its band, which ends at its line: %i", async (width) => {

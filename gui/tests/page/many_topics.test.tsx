@@ -12,7 +12,7 @@ const DRAWN = "svg, .blocks-host, .text-host, .visually-hidden";
 const PAGES: Record<string, (ruler: RulerPage) => Promise<void>> = {
   async optimizer(ruler) {
     await ruler.open("sixty.adirf");
-    await page.getByRole("tab", { name: "Optimize" }).click();
+    await ruler.openRates();
     await expect.element(page.getByText("Not everything fits")).toBeVisible();
   },
   rules: openRules,

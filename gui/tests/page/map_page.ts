@@ -18,7 +18,7 @@ interface Scale {
   pxPerM: number;
 }
 
-/** The Map tab of an open rule file, pressed and dragged in metres. */
+/** The map of an open rule file, pressed and dragged in metres. */
 export class MapPage {
   readonly canvas = page.getByRole("application", { name: "Zones on the map" });
   /** The form of the chosen zone, or of a new one. */
@@ -27,7 +27,7 @@ export class MapPage {
   private constructor(private readonly ruler: RulerPage) {}
 
   static async open(ruler: RulerPage): Promise<MapPage> {
-    await page.getByRole("tab", { name: "Map", exact: true }).click();
+    await ruler.openPane("Map");
     const map = new MapPage(ruler);
     await ruler.shown(map.canvas);
     await expect.element(page.getByText("Loading the map …")).not.toBeInTheDocument();

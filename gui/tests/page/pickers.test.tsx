@@ -91,7 +91,7 @@ test("half a level is what the list points at also when somebody clicks elsewher
   await (await ruler.field("Edit rate: 4")).click();
   await keys("exc");
   await expect.element(option("Excessive")).toHaveAttribute("aria-selected", "true");
-  await page.getByRole("heading", { name: "Blocks" }).click();
+  await page.getByRole("heading", { level: 1 }).click();
   await ruler.expectLines("SetFrequency /odom Excessive");
   await (await ruler.field("Edit rate: Excessive")).click();
   await keys("mar", "Escape");
@@ -125,7 +125,7 @@ test.each([1280, 820, 390])("a list is whole on every screen: %i", async (width)
   await resize(width, 800);
   const ruler = await openDock();
   // The text of the selected rule would stand beside the list.
-  await page.getByRole("tab", { name: "Map" }).click();
+  await ruler.openPane("Map");
   await (await ruler.field("Edit topic to send")).click();
   // It is put where there is room for it once it is filled.
   await expect

@@ -35,7 +35,7 @@ test("what is done with a rule is seen where somebody is at it", async () => {
   expect(seen()).toEqual(["0", "0"]);
   await (await ruler.field("Edit name of the rule: Corridor")).hover();
   await expect.poll(seen).toEqual(["1", "1"]);
-  await page.getByRole("tab", { name: "Text" }).hover();
+  await ruler.pane("Text").hover();
   await expect.poll(seen).toEqual(["0", "0"]);
   await ruler.walk("Tab", "stacks of blocks");
   await ruler.walk("ArrowDown", "rule, Corridor", 3);
@@ -58,8 +58,8 @@ test("a new rule and a new check accuse nobody until they are changed or used, a
   await ruler.shown(findings().filter({ hasText: "never hold" }));
   expect((await boxOf(name)).left).toBe(left);
   expect((await boxOf(marks().first())).right).toBeLessThan(left);
-  await ruler.use("Try on a recording");
-  await page.getByRole("tab", { name: /^Findings/ }).click();
+  await ruler.openPane("Try on a recording");
+  await page.getByRole("button", { name: /^Findings/ }).click();
   await ruler.shown(findings().filter({ hasText: "changes nothing" }));
 });
 
@@ -92,7 +92,7 @@ test("a selected block stands out from every ground, and the text goes to its ru
   const lines = () => [...document.querySelectorAll(".cm-line.spot")].map((each) => each.textContent?.trim());
   await expect.poll(lines).toContain('Rule "Aisle 8"');
   const line = page.getByCss(".cm-line.spot").first();
-  const bottom = (await boxOf(page.getByRole("tab", { name: /^Findings/ }))).top;
+  const bottom = (await boxOf(page.getByRole("region", { name: "Results" }))).top;
   await expect.poll(async () => (await boxOf(line)).bottom).toBeLessThan(bottom);
 });
 

@@ -60,7 +60,6 @@ test("a download waits for the profile that was just chosen", async () => {
   await expect.poll(() => ruler.network.count("GET /api/file")).toBeGreaterThan(asked);
   const download = commands.nextDownload();
   await ruler.use(OPTIMIZE);
-  await expect.element(page.getByText(/^Everything fits into/)).toBeVisible();
   release();
   expect((await download).text.split("\n")[0]).toContain(", profile third.toml (sha256 ");
 });
@@ -70,8 +69,15 @@ test("what cannot be downloaded is said", async () => {
   await ruler.open("quality/inspection.adirf");
   await page.getByLabelText("Topic parameters").selectOptions("none");
   await ruler.use(OPTIMIZE);
-  const said = page.getByText("Nothing was downloaded: the panel below says what is missing");
-  await expect.element(said).toBeVisible();
+  const dialog = page.getByRole("dialog", { name: "Rates within the budget" });
+  await ruler.shown(dialog.getByText("Nothing was downloaded yet."));
+  // What is missing can be chosen there, and the rates are told at once.
+  await dialog.getByLabelText("Topic parameters").selectOptions("quality/radio.toml");
+  await expect.element(dialog.getByText(/^Everything fits into/)).toBeVisible();
+  const download = commands.nextDownload();
+  await dialog.getByRole("button", { name: "Download" }).click();
+  expect((await download).name).toBe("inspection-rates.adirf");
+  await expect.element(dialog).not.toBeInTheDocument();
 });
 
 test("rules in plain numbers are downloaded without a profile", async () => {

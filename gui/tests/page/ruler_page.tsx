@@ -29,16 +29,19 @@ export interface Opening {
   isNew?: boolean;
   /** Whether they may change neither files nor robots. */
   onlyWatches?: boolean;
+  /** Whether nobody unfolded anything beside the blocks; else text and findings are open. */
+  isFolded?: boolean;
 }
 
 let opened: RulerPage | null = null;
 
 /** Opens the page in a project of tests/ruler/page_projects.py. */
 export async function openPage(project: string, opening: Opening = {}) {
-  const { files = {}, hash = "", isNew = false, onlyWatches = false } = opening;
+  const { files = {}, hash = "", isNew = false, onlyWatches = false, isFolded = false } = opening;
   const { currentTestName: test = "", testPath = "" } = expect.getState();
   const file = testPath.replace(/^.*\/|\.test\.tsx$/g, "");
   if (!isNew) localStorage.setItem("tour", "seen");
+  if (!isFolded) localStorage.setItem("open panes", "text findings");
   const server = await serverOf({ file, test, project, files });
   const network = new Network(server);
   network.greeting = network.greeting.map((push) =>
@@ -160,6 +163,23 @@ export class RulerPage {
 
   button(name: string): Locator {
     return page.getByRole("button", { name, exact: true });
+  }
+
+  /** What unfolds beside or below the blocks. */
+  pane(name: string): Locator {
+    return page.getByRole("group", { name: "Unfold" }).getByRole("button", { name, exact: true });
+  }
+
+  /** Unfolds that, where it is not open. */
+  async openPane(name: string): Promise<void> {
+    const button = await this.pane(name).findElement();
+    if (button.getAttribute("aria-expanded") === "false") await this.pane(name).click();
+  }
+
+  /** Opens what each topic takes of the budget. */
+  async openRates(): Promise<void> {
+    await page.getByRole("button", { name: /^Budget …|KB\/s$/ }).click();
+    await this.shown(page.getByRole("dialog", { name: "Rates within the budget" }));
   }
 
   /** What the bar on top calls `name`: a button, or an entry of its menu, which is opened for it. */

@@ -116,7 +116,7 @@ test.each(["POST /api/document", "POST /api/profile/for"])(
     await expect.poll(() => ruler.network.count(route)).toBeGreaterThan(0);
     await ruler.shown(page.getByText("Opening inspection.adirf …"));
     release();
-    await ruler.shown(page.getByRole("tab", { name: "Findings (3)" }));
+    await ruler.shown(ruler.pane("Findings (3)"));
   },
 );
 
@@ -126,12 +126,12 @@ test("rules that nobody checked are not called good", async () => {
   await page.getByRole("link", { name: "inspection.adirf", exact: true }).click();
   await ruler.expectLines("Inspection");
   await ruler.shown(page.getByText("Checking the rules …"));
-  await ruler.shown(page.getByRole("tab", { name: "Findings (…)" }));
+  await ruler.shown(ruler.pane("Findings (…)"));
   ruler.network.replace("POST /api/document", null);
   await ruler.text.getByText("Inspection").click();
   await commands.press("End");
   await commands.type(" ");
-  await ruler.shown(page.getByRole("tab", { name: "Findings (3)" }));
+  await ruler.shown(ruler.pane("Findings (3)"));
 });
 
 async function openRates(...topics: string[]): Promise<RulerPage> {

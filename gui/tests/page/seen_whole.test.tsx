@@ -142,8 +142,7 @@ test("the name of a topic is not cut beside its load", async () => {
   await resize(...LAPTOP);
   const ruler = await openPage("inspection");
   await ruler.open("quality/inspection.adirf");
-  await ruler.use("Optimize and Download");
-  await ruler.shown(ruler.button("Download rates"));
+  await ruler.openRates();
   const names = page.getByRole("rowheader", { name: "/camera/image_raw/compressed" });
   await ruler.shown(names.first());
   for (const name of names.all()) expect(isCut(name)).toBe(false);
@@ -152,7 +151,7 @@ test("the name of a topic is not cut beside its load", async () => {
 test("the map says what is below the zones and why two clash", async () => {
   const ruler = await openPage("examples", { files: { "clash.adirf": CLASH } });
   await ruler.open("clash.adirf");
-  await page.getByRole("tab", { name: "Map" }).click();
+  await ruler.openPane("Map");
   const background = page.getByRole("combobox", { name: "Background" });
   await expect.element(background.getByRole("option", { name: "Map: warehouse_map.yaml" })).toBeInTheDocument();
   const field = background.element();
@@ -170,7 +169,7 @@ test("the slider of a try has the width that values leave it on a telephone", as
   await resize(...TELEPHONE);
   const ruler = await openPage("monday", { files: { "far.adirf": DECIDES } });
   await ruler.open("far.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await ruler.button("Run the rules on it").click();
   const slider = page.getByRole("slider", { name: "Time in the recording (s)" });
   expect((await boxOf(slider)).width).toBeGreaterThan(0.8 * TELEPHONE[0]);

@@ -92,7 +92,7 @@ test("a table that changes on disk is noticed while it is open", async () => {
 test("a table that somebody saves counts in the rules that are open", async () => {
   const ruler = await openRules({ "radio.toml": TABLE });
   await page.getByLabelText("Profile (topic parameters)").selectOptions("radio.toml");
-  await page.getByRole("tab", { name: "Optimize" }).click();
+  await ruler.openRates();
   const load = page.getByRole("row").filter({ hasText: "/odom" }).first();
   await expect.element(load).toHaveTextContent("3.6 KB/s");
   await ruler.write({ "radio.toml": TABLE.replace("0.72", "1.44") });

@@ -47,7 +47,7 @@ test("the position is kept within 5 cm while the battery is low for 10 s", async
   await ruler.save();
   expect(await ruler.saved("low.adirf")).toBe(LOW_BATTERY);
 
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await ruler.button("Run the rules on it").click();
   await ruler.shown(page.getByText(/[\d.]+ % less/));
   const loss = page.getByRole("region", { name: "What the operator loses" });

@@ -45,7 +45,7 @@ test("a result stays with its file and says what changed since", async () => {
   const files = { "monday.adirf": RULES, "other.adirf": "begin\n    SetFrequency /scan 1\nend\n" };
   const ruler = await openPage("two_drives", { files });
   await ruler.open("monday.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   // The one that the rules have their name from, though another is longer.
   await expect.element(page.getByRole("combobox", { name: "Recording" })).toHaveValue("monday");
   await run(ruler);
@@ -55,12 +55,12 @@ test("a result stays with its file and says what changed since", async () => {
 
   await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("other.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await expect.element(ruler.button(RUN)).toBeVisible();
   await expect.element(page.getByText("% less sent")).not.toBeInTheDocument();
   await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("monday.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await expect.element(time).toHaveValue("7.96");
   await expect.element(page.getByText("Stale:")).not.toBeInTheDocument();
   expect(ruler.network.count("POST /api/try")).toBe(replays);
@@ -73,13 +73,13 @@ test("a result stays with its file and says what changed since", async () => {
 test("a try goes on while another page is looked at", async () => {
   const ruler = await openPage("monday", { files: FILES });
   await ruler.open("far.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   const release = ruler.network.hold("POST /api/try");
   await ruler.button(RUN).click();
   await expect.poll(() => ruler.network.count("POST /api/try")).toBe(1);
   await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("far.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   release();
   await expect.element(page.getByText("% less")).toBeVisible();
   expect(ruler.network.count("POST /api/try")).toBe(1);
@@ -95,7 +95,7 @@ test("gain and loss stand on one line and messages are sentences", async () => {
   await ruler.text.getByText("SetFrequency /scan").click();
   await commands.press("End", "Control+Shift+ArrowLeft");
   await commands.type("Full");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await ruler.button(RUN).click();
   await expect.element(page.getByText(/^[\d.]+ % less sent; \/image: \d+ of \d+, dark for [\d.]+ s$/)).toBeVisible();
   await expect.element(page.getByText("The rules decided 2 times")).toBeVisible();
@@ -168,7 +168,7 @@ test.each([1440, 820, 390])("what stands below each other is at the same time: %
 
 async function tryRules(ruler: RulerPage, name: string): Promise<void> {
   await ruler.open(name);
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await run(ruler);
 }
 

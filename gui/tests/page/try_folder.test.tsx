@@ -40,7 +40,7 @@ test("a run goes on with its rules and keeps what is done where it is cancelled"
   await expect.element(progress()).toHaveTextContent("1 of 4");
   await page.getByRole("link", { name: "Rules", exact: true }).click();
   await ruler.open("far.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await ruler.button("Cancel").click();
   release();
   await expect.element(page.getByText("Cancelled.", { exact: true })).toBeVisible();
@@ -69,7 +69,7 @@ test("a telephone tries a folder", async () => {
 async function openRuns(): Promise<RulerPage> {
   const ruler = await openPage("runs", { files: { "far.adirf": RULES } });
   await ruler.open("far.adirf");
-  await ruler.use("Try on a recording");
+  await ruler.openPane("Try on a recording");
   await page.getByRole("combobox", { name: "Recording" }).selectOptions("runs/: all 4 recordings");
   return ruler;
 }

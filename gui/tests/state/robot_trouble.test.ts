@@ -11,6 +11,8 @@ const LINK: LinkState = {
   outages: 1,
   datagrams: false,
   lost_percent: null,
+  sent_bytes: 0,
+  report_bytes: 0,
 };
 const RULES: RulesInForce = {
   files: ["/etc/testudo/patrol.adirf"],

@@ -45,7 +45,7 @@ class MapPage:
 
     def __init__(self, ruler: RulerPage) -> None:
         self.ruler = ruler
-        ruler.page.get_by_role("tab", name="Map", exact=True).click()
+        ruler.open_pane("Map")
         self.canvas = ruler.page.get_by_role("application", name="Zones on the map")
         self.canvas.wait_for()
         expect(ruler.page.get_by_text("Loading the map …")).to_have_count(0)

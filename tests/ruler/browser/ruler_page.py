@@ -20,6 +20,8 @@ from real_browser import TIMEOUT_MS
 EXAMPLES = Path(__file__).parents[3] / "examples"
 KNOWS_TOUR = "try { localStorage.setItem('tour', 'seen') } catch {}"
 """Of a browser in which somebody took the tour."""
+UNFOLDED = "try { localStorage['open panes'] ??= 'text findings' } catch {}"
+"""Of one in which text and findings are open beside the blocks."""
 GRIP_PX = 9
 """From the corner of a block to where it is taken: beside its fields."""
 AFTER_TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
@@ -60,6 +62,7 @@ class RulerPage:
         page.set_default_timeout(TIMEOUT_MS)
         if not is_new:
             page.add_init_script(KNOWS_TOUR)
+        page.add_init_script(UNFOLDED)
         page.on("console", lambda message: self._hear(message.type, message.text))
         page.on("pageerror", lambda error: self.complaints.append(str(error)))
         page.on("request", lambda request: self.requests.append(request.url))
@@ -80,6 +83,20 @@ class RulerPage:
 
     def button(self, name: str) -> Locator:
         return self.page.get_by_role("button", name=name, exact=True)
+
+    def pane(self, name: str) -> Locator:
+        """What unfolds beside or below the blocks."""
+        return self.page.get_by_role("group", name="Unfold").get_by_role("button", name=name, exact=True)
+
+    def open_pane(self, name: str) -> None:
+        """Unfold that, where it is not open."""
+        if self.pane(name).get_attribute("aria-expanded") == "false":
+            self.pane(name).click()
+
+    def open_rates(self) -> None:
+        """Open what each topic takes of the budget."""
+        self.page.get_by_role("button", name=re.compile("^Budget …|KB/s$")).click()
+        self.page.get_by_role("dialog", name="Rates within the budget").wait_for()
 
     def tool(self, name: str) -> Locator:
         """What the bar on top calls ``name``: a button, or an entry of its menu, which is opened for it."""

@@ -53,7 +53,7 @@ def at_new_project(ruler: RulerPage) -> None:
 
 def at_menu(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.tool("Format").wait_for()
+    ruler.tool("Export").wait_for()
 
 
 def at_rules(ruler: RulerPage) -> None:
@@ -97,7 +97,7 @@ def at_list_of_blocks(ruler: RulerPage) -> None:
 
 def at_map(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.open_pane("Map")
     ruler.page.get_by_role("button", name="Draw a rectangle").click()
 
 
@@ -113,18 +113,18 @@ def at_versions(ruler: RulerPage) -> None:
 
 def at_optimizer(ruler: RulerPage) -> None:
     ruler.open("quality/inspection.adirf")
-    ruler.tool("Optimize and Download").click()
-    ruler.button("Download rates").wait_for()
+    ruler.open_rates()
+    ruler.page.get_by_text("Everything fits").wait_for()
 
 
 def at_robot(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.page.get_by_role("tab", name="Robot").click()
+    ruler.open_pane("Robot")
 
 
 def at_trial(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.page.get_by_role("tab", name="Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("region", name="Decisions").wait_for()
 
@@ -208,7 +208,7 @@ def at_accuracies(ruler: RulerPage) -> None:
 def at_zones(ruler: RulerPage) -> None:
     """A zone that is chosen on the map, which has the whole page."""
     ruler.open("warehouse.adirf")
-    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.open_pane("Map")
     ruler.page.get_by_role("list", name="Zones").get_by_role("button").first.click()
     ruler.page.get_by_role("group", name="Zone of").wait_for()
     ruler.page.get_by_role("button", name="Full screen: map").click()

@@ -51,7 +51,7 @@ def test_tab_leaves_the_text(ruler: RulerPage) -> None:
     expect(ruler.text).not_to_be_focused()
     # The line between the panes is first: its arrow keys move it.
     ruler.page.keyboard.press("Tab")
-    expect(ruler.page.get_by_role("tab", name="Findings")).to_be_focused()
+    expect(ruler.page.get_by_role("combobox", name="Topic parameters")).to_be_focused()
     ruler.page.keyboard.press("Shift+Tab")
     ruler.page.keyboard.press("Shift+Tab")
     expect(ruler.text).to_be_focused()

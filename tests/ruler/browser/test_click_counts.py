@@ -175,7 +175,7 @@ def _type_zone(ruler: RulerPage, me: CountedPage) -> None:
 
 def _draw_zone(ruler: RulerPage, me: CountedPage) -> None:
     """Draw a rectangle on the map, and add it as a rule."""
-    me.click("tab", "Map")
+    me.click("button", "Map")
     me.click("button", "Draw a rectangle")
     MapPage(ruler).drag_across()
     me.count_drag("a rectangle")

@@ -17,12 +17,12 @@ def test_the_menu_is_used_with_the_keyboard(ruler: RulerPage) -> None:
     menu.focus()
     keyboard.press("Enter")
     for key, entry in (
-        ("", "Format"),
+        ("", "Import"),
         ("ArrowUp", "Keys"),
-        ("ArrowDown", "Format"),
+        ("ArrowDown", "Import"),
         ("End", "Keys"),
-        ("Home", "Format"),
-        ("i", "Import"),
+        ("Home", "Import"),
+        ("e", "Export"),
     ):
         if key:
             keyboard.press(key)

@@ -77,7 +77,7 @@ def test_a_zone_and_its_block_are_chosen_together(ruler: RulerPage, rules: Path)
     expect(ruler.button("Hall")).to_have_attribute("aria-pressed", "true")
     expect(ruler.button("Bay")).to_have_attribute("aria-pressed", "false")
     ruler.button("Bay").click()
-    ruler.page.get_by_role("tab", name="Text", exact=True).click()
+    ruler.open_pane("Text")
     expect(ruler.text.get_by_text('"Bay"')).to_be_visible()
 
 

@@ -44,7 +44,7 @@ def test_an_open_list_is_fit_for_screen_readers(ruler: RulerPage, project: Path)
     ruler.page.set_viewport_size({"width": 1280, "height": 800})
     _open(ruler, project)
     # The text of the selected rule would stand beside the list.
-    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.open_pane("Map")
     ruler.field("Edit topic to send").click()
     _option(ruler, "/odom").wait_for()
     assert violations(ruler.page) == []

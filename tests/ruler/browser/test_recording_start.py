@@ -41,7 +41,7 @@ def test_a_dropped_recording_becomes_rules_sizes_and_a_path(
     dialog.get_by_role("button", name="Create").click()
     ruler.expect_lines("SetFrequency /odom Full", "SetFrequency /scan Full")
     expect(ruler.page.get_by_label("Topic parameters")).to_have_value("monday.toml")
-    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.open_pane("Map")
     expect(ruler.page.get_by_label("Path of")).to_have_value("monday.db3")
     expect(ruler.tool("Save")).to_be_disabled()
     assert {each.name for each in project.iterdir()} >= {"monday.db3", "monday.adirf", "monday.toml"}

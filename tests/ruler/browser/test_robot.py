@@ -148,7 +148,7 @@ def test_how_long_a_timed_condition_has_held_stands_beside_its_block(page: Ruler
     process = world.robot.runtime(TIMED_RULES)
     page.home()
     page.open("timed.adirf")
-    page.page.get_by_role("tab", name="Robot", exact=True).click()
+    page.open_pane("Robot")
     expect(badge(page, "✗ false 0 m · ✗ does not hold now")).to_be_visible()
     expect(badge(page, "✓ holds now")).to_be_visible()
     world.source.say("move odom")
@@ -341,7 +341,7 @@ def test_topics_of_the_robot_are_suggested_and_measured(page: RulerPage, runtime
 def _reopen(page: RulerPage) -> None:
     page.home()
     page.open("patrol.adirf")
-    page.page.get_by_role("tab", name="Robot", exact=True).click()
+    page.open_pane("Robot")
 
 
 def _append(page: RulerPage, line: str, text: str) -> None:

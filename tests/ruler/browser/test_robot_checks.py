@@ -27,7 +27,7 @@ begin
     SetFrequency /imu 5
 
     Rule "Far"
-    If (CheckValue /odom pose_x > 3)
+    If (CheckValue /odom pose_x > 3 AND CheckValue /odom pose_y < 90)
     Then
         SetFrequency /imu 10
     EndIf
@@ -88,6 +88,9 @@ def test_the_page_of_a_robot_shows_a_value_its_threshold_and_when_each_rule_held
     expect(checks.get_by_role("status")).to_have_text(
         re.compile(r"^> 3: Holds for [\d.]+ s of 10 min; unknown for .*, as the robot decided\.$")
     )
+    # Beside its time is where it was then.
+    expect(checks.get_by_role("application", name="Path of the robot")).to_be_visible()
+    expect(checks.locator(".robot-place")).to_contain_text("The robot is at x 5.0 m")
     edges = checks.locator(".scrubber-track, .lane-plot, .lane .u-over").evaluate_all(EDGES)
     assert len(edges) == 5
     assert all(abs(one - other) <= 1 for edge in edges for one, other in zip(edge, edges[0], strict=True))
@@ -104,7 +107,7 @@ def test_the_page_of_a_robot_shows_a_value_its_threshold_and_when_each_rule_held
 
 def test_beside_the_same_rules_the_line_is_dragged_and_written_into_them(page: RulerPage) -> None:
     page.page.evaluate("location.hash = '#/rules/patrol.adirf'")
-    page.page.get_by_role("tab", name="Robot").click()
+    page.open_pane("Robot")
     checks = section(page)
     checks.get_by_role("combobox", name="Value and threshold of").select_option(CHECK)
     line = checks.get_by_role("slider", name="Threshold")

@@ -294,8 +294,7 @@ def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic
     page.page.keyboard.press("Enter")
     page.page.get_by_role("link", name="Open patrol.adirf").focus()
     page.page.keyboard.press("Enter")
-    tab = page.page.get_by_role("tab", name="Robot", exact=True)
-    expect(tab).to_have_attribute("aria-selected", "true")
+    expect(page.pane("Robot")).to_have_attribute("aria-expanded", "true")
     topics = page.page.get_by_role("table", name="Topics of the robot")
     expect(topics.get_by_role("row", name="/scan")).to_contain_text(
         re.compile(r"16\.0\s*312\s*20\s*1\.2.*relayed")

@@ -20,7 +20,7 @@ WIDTH_PX = 1440
 
 def test_the_map_has_the_whole_page(ruler: RulerPage) -> None:
     ruler.open("zone.adirf")
-    ruler.page.get_by_role("tab", name="Map").click()
+    ruler.open_pane("Map")
     ruler.page.get_by_role("button", name="Full screen: map").click()
     expect(ruler.blocks).to_be_hidden()
     map_pane = ruler.page.get_by_role("application", name="Zones on the map")
@@ -28,7 +28,7 @@ def test_the_map_has_the_whole_page(ruler: RulerPage) -> None:
     ruler.page.get_by_role("button", name="Leave full screen: map").click()
     expect(ruler.blocks).to_be_visible()
     ruler.page.get_by_role("button", name="Full screen: map").click()
-    ruler.page.get_by_role("tab", name="Text").click()
+    ruler.open_pane("Text")
     expect(ruler.blocks).to_be_visible()
 
 
@@ -36,7 +36,7 @@ def test_a_try_has_the_whole_page_and_plays(ruler: RulerPage, project: Path) -> 
     write_bag(project / "monday", small_mission(8))
     ruler.home()
     ruler.open("zone.adirf")
-    ruler.tool("Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_role("button", name="Full screen: results").click()
     expect(ruler.blocks).to_be_hidden()

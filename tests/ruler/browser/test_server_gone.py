@@ -78,7 +78,7 @@ def test_a_page_without_its_server_says_so_and_what_still_works(page: RulerPage,
     until(lambda: _is_grey(page) == [True])
     for name in ("New rate", "New rule"):
         expect(page.button(name)).to_be_disabled()
-    for name in ("Format", "Save", "Import", "Send to robot", "Optimize and Download"):
+    for name in ("Save", "Import", "Send to robot", "Optimize and Download"):
         expect(page.tool(name)).to_be_disabled()
     expect(page.button("remove the overridden default")).to_be_disabled()
     reason = "This needs the Ruler's server, which does not answer now"
@@ -128,7 +128,7 @@ def test_blocks_come_when_the_server_is_back(page: RulerPage, server: Server) ->
 def test_the_map_and_the_versions_come_when_the_server_is_back(page: RulerPage, server: Server) -> None:
     server.stop()
     expect(page.page.get_by_role("alert").filter(has_text=SINCE)).to_be_visible()
-    page.page.get_by_role("tab", name="Map").click()
+    page.open_pane("Map")
     loading = page.page.get_by_text("Loading the map …")
     expect(loading).to_be_visible()
     server.start()

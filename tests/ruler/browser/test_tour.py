@@ -56,7 +56,7 @@ def test_the_tour_is_walked_with_one_key_and_touches_no_file(ruler: RulerPage, p
         expect(card.get_by_role("button", name=re.compile("Next|Finish"))).to_be_focused()
         if number == 1:
             ruler.expect_lines('Rule "Loading Dock"')
-            expect(page.get_by_role("tab", name="Findings (1)")).to_be_visible()
+            expect(ruler.pane("Findings (1)")).to_be_visible()
         page.keyboard.press("Enter")
     expect(ruler.button("New Rule File")).to_be_visible()
     expect(page.get_by_role("heading", name="ADIRF Ruler")).to_be_focused()

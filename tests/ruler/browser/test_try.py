@@ -83,7 +83,7 @@ def test_one_scrubber_moves_the_robot_the_rates_the_rules_and_the_mark_in_the_te
 @pytest.mark.journey
 def test_cancel_ends_the_replay(ruler: RulerPage) -> None:
     ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     with first_held(try_on) as replay:
         ruler.button("Run the rules on it").click()
         child = replay()
@@ -115,14 +115,14 @@ def test_a_telephone_looks_tries_and_sends(ruler: RulerPage) -> None:
     )
     ruler.page.get_by_role("button", name="Leave full screen: results").click()
     ruler.tool("Send to robot").click()
-    expect(ruler.page.get_by_role("tab", name="Robot")).to_have_attribute("aria-selected", "true")
-    expect(ruler.page.get_by_role("tabpanel", name="robot")).to_be_in_viewport()
+    expect(ruler.pane("Robot")).to_have_attribute("aria-expanded", "true")
+    expect(ruler.page.get_by_role("region", name="Results")).to_be_in_viewport()
 
 
 def _try_rules(ruler: RulerPage) -> None:
     if ruler.page.get_by_role("link", name="far.adirf").count():
         ruler.open("far.adirf")
-        ruler.tool("Try on a recording").click()
+        ruler.open_pane("Try on a recording")
     ruler.button("Run the rules on it").click()
     expect(ruler.page.get_by_text(re.compile(r"[\d.]+ % less"))).to_be_visible()
     expect(ruler.page.get_by_text("The rules decided")).to_be_visible()

@@ -48,7 +48,7 @@ def project(tmp_path: Path) -> Path:
 def test_a_folder_is_tried_worst_first_and_a_row_leads_to_its_try(ruler: RulerPage) -> None:
     page = ruler.page
     ruler.open("far.adirf")
-    ruler.tool("Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     recording = page.get_by_role("combobox", name="Recording")
     expect(recording.get_by_role("option").first).to_have_text("project: all 4 recordings")
     recording.select_option("runs/: all 4 recordings")

@@ -68,8 +68,9 @@ def test_what_a_save_would_do_is_off_where_somebody_compares_or_optimizes(
         'budget_kb_per_s = 1\n\n[topics."/odom"]\nmessage_kb = 1\nsource_hz = 20\n'
     )
     ruler.open("patrol.adirf")
-    page.get_by_role("tab", name="Optimize").click()
+    ruler.open_rates()
     _expect_off(page.get_by_role("button", name="would do"))
+    ruler.button("Close").click()
     ruler.change("Edit rate: 5", "7")
     (project / "patrol.adirf").write_text(RULES.replace("5", "9"))
     page.get_by_role("button", name="Decide", exact=True).click()

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -55,7 +56,7 @@ def _load(context: BrowserContext, url: str) -> dict[str, int]:
     wire.on("Network.loadingFinished", end)
     wire.send("Network.enable")
     page.goto(f"{url}#/rules/warehouse.adirf")
-    page.get_by_role("list", name="Findings").get_by_role("listitem").first.wait_for()
+    page.get_by_role("button", name=re.compile(r"^Findings \(\d+\)$")).wait_for()
     page.get_by_role("button", name=CORRIDOR).wait_for(state="attached")
     page.wait_for_load_state("networkidle")
     page.close()
@@ -74,6 +75,7 @@ def test_the_text_can_be_changed_before_the_blocks_are_loaded(browser: Browser, 
         page.route("**/assets/rule_workspace-*.js", hold)
         with page.expect_request("**/assets/rule_workspace-*.js"):
             page.goto(f"{url}#/rules/warehouse.adirf")
+        page.get_by_role("button", name="Text", exact=True).click()
         text = page.get_by_role("textbox", name="Rules as text")
         text.click()
         page.keyboard.press("Control+Home")

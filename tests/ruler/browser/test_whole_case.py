@@ -107,7 +107,7 @@ def test_the_whole_case_is_done_with_the_keyboard_alone(
 
 def _expect_rates_of_the_thesis(ruler: RulerPage, download: Download, tmp_path: Path) -> None:
     """What was downloaded has the numbers of Figure A.3, and the load is the thesis's."""
-    expect(ruler.page.get_by_text("219 881.72 KB/s").first).to_be_visible()
+    expect(ruler.page.get_by_text("219 881.72 of 275 000 KB/s").first).to_be_visible()
     downloaded = tmp_path / download.suggested_filename
     download.save_as(downloaded)
     text = downloaded.read_text()

@@ -81,7 +81,7 @@ def test_words_of_a_recording_and_topics_of_a_kind_are_picked_by_clicks(
     )
 
     # The words of the check stand as a lane over the recording.
-    ruler.tool("Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     ruler.button("Run the rules on it").click()
     ruler.page.get_by_label("Value and threshold of").select_option(label='/mode data = "docking" (Dock)')
     lane = ruler.page.get_by_role("img", name=re.compile("docking for 4 s"))

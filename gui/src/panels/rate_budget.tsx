@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { effect, type Signal } from "@preact/signals";
+import { effect, type Signal, useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { type Rules, refusal } from "../api/client";
 import type { OptimizeAnswer, Project, Refusal, Repair, SituationLoad } from "../api/types";
@@ -11,14 +11,14 @@ import type { RuleEditor } from "../state/rule_editor";
 import { namesLevel, topicsIn } from "../state/statements";
 import { Button } from "../ui/button";
 import { NeedsServer } from "../ui/connection";
+import { FormDialog } from "../ui/dialog";
 import { baseName, download } from "../ui/files";
 import { hz, kilobytes, readable, sentence } from "../ui/numbers";
-import { ProfileChangeNotice } from "./profile_choice";
+import { ProfileChangeNotice, ProfileChoice } from "./profile_choice";
 
 const AFTER_MS = 300;
 /** Findings on a profile that does not say what rates need. */
 const LACKING: ReadonlySet<string> = new Set(["profile-incomplete", "budget-not-proven"]);
-const MISSING = "Nothing was downloaded: the panel below says what is missing";
 /** Recordings that are offered to measure in. */
 const MOST_BAGS = 3;
 
@@ -26,20 +26,67 @@ interface Props {
   editor: RuleEditor;
   project: Project;
   repair: ProfileRepair;
-  rates: Signal<Optimized | null>;
-  /** Whether the rates are to be downloaded as soon as they are computed. */
+  /** Whether the rates are to be downloaded as soon as they are known. */
   wantsRates: Signal<boolean>;
+}
+
+/**
+ * How much of the budget the rules take where they take most; a press says what each topic takes, and how all would
+ * fit. What is to be downloaded and is not known is said there, too.
+ */
+export function RateBudget({ editor, project, repair, wantsRates }: Props) {
+  const rates = useSignal<Optimized | null>(null);
+  /** Whether the details are open, and whether that is to download the rates. */
+  const opened = useSignal<"closed" | "to look" | "to download">("closed");
+  const close = () => (opened.value = "closed");
+  useEffect(() => followRates(editor, rates, () => wantsRates.value || opened.value !== "closed"), []);
+  const result = rates.value;
+  const [text, profile] = [editor.text.value, editor.profile.value];
+  const isAnswered =
+    editor.profileChoice.isKnown.value &&
+    (profile === null || (result?.text === text && result.profile_text === profile.text));
+  const known = isAnswered && result !== null && "download_text" in result ? result.download_text : null;
+  useEffect(() => {
+    if (!wantsRates.value || !isAnswered) return;
+    const open = () => (opened.value = "to download");
+    if (profile === null) void downloadPlain(editor, open);
+    else if (known === null) open();
+    else download(ratesName(editor), known);
+    wantsRates.value = false;
+  }, [wantsRates.value, isAnswered]);
+  const isToDownload = opened.value === "to download";
+  const submit = () => {
+    if (isToDownload && known !== null) download(ratesName(editor), known);
+    close();
+  };
+  return (
+    <>
+      <BudgetBar {...{ editor, result }} onOpen={() => (opened.value = "to look")} />
+      {opened.value !== "closed" && (
+        <FormDialog
+          title="Rates within the budget"
+          submit={isToDownload ? "Download" : "Close"}
+          isNotice={!isToDownload}
+          canSubmit={!isToDownload || known !== null}
+          isWide
+          onSubmit={submit}
+          onClose={close}
+        >
+          {isToDownload && known === null && <p>Nothing was downloaded yet.</p>}
+          <NeedsServer>
+            <RateDetails {...{ editor, project, repair, result }} />
+          </NeedsServer>
+        </FormDialog>
+      )}
+    </>
+  );
 }
 
 /**
  * Computes rates anew whenever the rules stand still for a moment, until the returned function is called.
  * What would be refused is asked for only if `wantsAnyway`, whose reader is told why.
  */
-export function followRates(
-  editor: RuleEditor,
-  rates: Signal<Optimized | null>,
-  wantsAnyway: () => boolean,
-): () => void {
+function followRates(editor: RuleEditor, rates: Signal<Optimized | null>, wantsAnyway: () => boolean): () => void {
   let timer: number | undefined;
   const stop = effect(() => {
     void editor.text.value;
@@ -62,20 +109,23 @@ function canCompute({ errors, profile, surroundings }: RuleEditor): boolean | nu
   return !surroundings.findings.value.some(({ code }) => LACKING.has(code));
 }
 
-/** How much of the budget the rules take where they take most, and the way to what would make them fit. */
-export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rates"> & { onOpen: () => void }) {
-  const result = rates.value;
-  if (editor.profile.value === null || result === null || "refused" in result) return null;
-  const byLoad = [...result.situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
+/** A bar as full as the budget is where the rules take most of it. */
+function BudgetBar(props: { editor: RuleEditor; result: Optimized | null; onOpen: () => void }) {
+  const { editor, result, onOpen } = props;
+  const situations = result !== null && "situations" in result ? result.situations : [];
+  const byLoad = [...situations].sort((one, other) => other.kb_per_s - one.kb_per_s);
   const most = byLoad.find(({ kind }) => kind === "worst") ?? byLoad[0];
-  if (most === undefined) return null;
+  const title = "What each topic takes, and what would make it fit";
+  if (result === null || !("situations" in result) || most === undefined) {
+    return <Button label="Budget …" class="budget-bar" title={title} onClick={onOpen} />;
+  }
   const where = withoutLines(most.title, editor.statements.value);
   const share = most.kb_per_s / result.budget_kb_per_s;
   return (
     <button
       type="button"
       class={result.feasible && share <= 1 ? "budget-bar" : "budget-bar over"}
-      title="What each topic takes, and what would make it fit"
+      title={title}
       style={{ "--share": `${Math.min(100 * share, 100)}%` }}
       onClick={onOpen}
     >
@@ -85,24 +135,15 @@ export function BudgetBar({ editor, rates, onOpen }: Pick<Props, "editor" | "rat
   );
 }
 
-/** Quality levels as rates within the budget. */
-export function OptimizePanel({ editor, project, repair, rates, wantsRates }: Props) {
-  const result = rates.value;
-  const [text, profile] = [editor.text.value, editor.profile.value];
-  const isAnswered =
-    editor.profileChoice.isKnown.value &&
-    (profile === null || (result?.text === text && result.profile_text === profile.text));
-  useEffect(() => {
-    if (!wantsRates.value || !isAnswered) return;
-    wantsRates.value = false;
-    if (profile === null) return void downloadPlain(editor);
-    const rates = result !== null && "download_text" in result ? result.download_text : null;
-    if (rates !== null) download(ratesName(editor), rates);
-    else editor.message.value = MISSING;
-  }, [wantsRates.value, isAnswered]);
+/** Quality levels as rates within the budget, or what is missing for that. */
+function RateDetails({ editor, project, repair, result }: Omit<Props, "wantsRates"> & { result: Optimized | null }) {
+  const profile = editor.profile.value;
   if (profile === null) {
     return (
-      <p class="quiet">Choose a profile (topic parameters: message sizes and levels) on the right, or create one.</p>
+      <>
+        <p>Choose topic parameters, which say what messages take and levels mean, or create them.</p>
+        <ProfileChoice {...{ editor, project }} />
+      </>
     );
   }
   if (result === null) return <p class="quiet">Computing rates …</p>;
@@ -118,7 +159,10 @@ export function OptimizePanel({ editor, project, repair, rates, wantsRates }: Pr
   return (
     <div class="optimize">
       <ProfileChangeNotice repair={repair} />
-      <Verdict {...{ editor, result, isAnswered }} />
+      <p role="status">
+        {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
+        <strong>{kilobytes(result.budget_kb_per_s)} KB/s</strong>.
+      </p>
       <RepairAll editor={editor} refusals={result.refusals} text={result.text} />
       {result.refusals.map((refusal) => (
         <RefusalCard key={refusal.rule ?? "defaults"} {...{ editor, refusal }} profiles={repair} text={result.text} />
@@ -161,35 +205,16 @@ function MissingEntries(props: Pick<Props, "editor" | "project" | "repair"> & { 
   );
 }
 
-function Verdict(props: { editor: RuleEditor; result: OptimizeAnswer; isAnswered: boolean }) {
-  const { editor, result, isAnswered } = props;
-  const numeric = result.download_text;
-  return (
-    <div class="row">
-      <p role="status">
-        {result.feasible ? "Everything fits into" : "Not everything fits into"}{" "}
-        <strong>{kilobytes(result.budget_kb_per_s)} KB/s</strong>.
-      </p>
-      <Button
-        label="Download rates"
-        class="primary"
-        disabled={numeric === null || !isAnswered}
-        onClick={() => numeric !== null && download(ratesName(editor), numeric)}
-      />
-    </div>
-  );
-}
-
 /** What a rule file with numbers instead of levels is called. */
 function ratesName(editor: RuleEditor): string {
   return baseName(editor.name).replace(/\.adirf$/, "-rates.adirf");
 }
 
 /** Downloads rules without a profile as they are, unless they name levels, which only a profile makes numbers. */
-async function downloadPlain(editor: RuleEditor): Promise<void> {
+async function downloadPlain(editor: RuleEditor, open: () => void): Promise<void> {
   const isSound = await editor.isSound();
-  // A level without a profile is an error as well: the panel says what to do about it.
-  if (namesLevel(editor.document.value)) editor.message.value = MISSING;
+  // A level without a profile is an error as well: the details say what to do about it.
+  if (namesLevel(editor.document.value)) open();
   else if (!isSound) editor.message.value = "Nothing was downloaded: the rules have errors";
   else {
     download(ratesName(editor), editor.text.value);

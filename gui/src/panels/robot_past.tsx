@@ -1,17 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
-import { useSignal } from "@preact/signals";
+import { type ReadonlySignal, useSignal } from "@preact/signals";
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Api } from "../api/client";
-import type { RobotCheck, RobotChecksAnswer, RobotCheckValues } from "../api/types";
+import type { RobotCheck, RobotChecksAnswer, RobotCheckValues, RobotEvent, RobotHistoryAnswer } from "../api/types";
+import { duration } from "../state/robot_trouble";
 import { holdsWords, Timeline, truthAt } from "../state/timeline";
 import { TimeAxis } from "../try/axis";
 import { CheckChart, OtherThreshold, RuleLanes } from "../try/check_chart";
+import { PathMap } from "../try/path_map";
 import { Choice } from "../ui/choice";
+import { ColumnHeads } from "../ui/data_table";
 import { useAnswer } from "../ui/later";
 import { clock, durationWords } from "../ui/numbers";
-import { ASK_EVERY_MS } from "./robot_view";
 
+/** How often the server is asked what it heard of a robot. */
+const ASK_EVERY_MS = 2000;
 const WINDOWS_S = [600, 3600] as const;
 
 /** Writes another threshold of a check into the rules that are open. */
@@ -24,8 +28,21 @@ interface Props {
   propose: Propose | null;
 }
 
-/** When each rule of a robot held in its last minutes, and for one of its checks the value and its threshold. */
-export function RobotChecks({ api, node, propose }: Props) {
+/** What a robot did in its last minutes, and what changed in its last hour. */
+export function RobotPast({ api, node, propose }: Props) {
+  const ask = () => api.ask("POST /api/robot/history", { node });
+  const { answer: history } = useAnswer(ask, [node], { of: node, everyMs: ASK_EVERY_MS });
+  if (history === null) return null;
+  return (
+    <>
+      <Course {...{ api, node, propose, history }} />
+      <Changes history={history} />
+    </>
+  );
+}
+
+/** When each rule of a robot held, and beside that where it was; for one of its checks the value and its threshold. */
+function Course({ api, node, propose, history }: Props & { history: RobotHistoryAnswer }) {
   const [windowS, setWindow] = useState<number>(WINDOWS_S[0]);
   const [chosen, setChosen] = useState<string>("");
   const [number, setNumber] = useState<number | null>(null);
@@ -34,15 +51,18 @@ export function RobotChecks({ api, node, propose }: Props) {
     [node, windowS, number],
     { of: node, everyMs: ASK_EVERY_MS },
   );
-  const timeline = useMemo(() => nowAtTheEnd(windowS), [windowS]);
+  const path = usePath(history, windowS);
+  const timeline = useMemo(() => nowAtTheEnd(windowS, path), [windowS]);
   const checks = answer?.checks ?? [];
   // Other rules number their checks anew.
   const found = checks.findIndex((check) => titleOf(check) === chosen);
   useEffect(() => setNumber(found < 0 ? null : found), [found]);
-  if (answer === null || answer.rules.length === 0) return null;
+  const hasPath = path.value.length > 0;
+  if (answer === null || (answer.rules.length === 0 && !hasPath)) return null;
   const one = checks[found];
   const agoS = windowS - timeline.time.value;
   const said = agoS < 1 ? "now" : clockOf(-agoS);
+  const map = <PathMap {...{ timeline }} path={path.value} dotsS={NONE} dotsAre={`by ${history.pose_topic}`} isLive />;
   return (
     <section class="robot-checks" aria-label="Rules and checks over time">
       <div class="row">
@@ -54,7 +74,14 @@ export function RobotChecks({ api, node, propose }: Props) {
           choose={setWindow}
         />
       </div>
-      <TimeAxis timeline={timeline} label="Time of the robot" words={said} said={said}>
+      <TimeAxis
+        timeline={timeline}
+        label="Time of the robot"
+        words={said}
+        said={said}
+        ticksS={history.events.map(({ s_ago }) => windowS - s_ago).filter((timeS) => timeS >= 0)}
+        beside={hasPath && map}
+      >
         <RuleLanes
           title={`Rules ${said === "now" ? said : `at ${said}`}, and when they held`}
           rules={answer.rules.map(({ rule, line, turns }) => {
@@ -77,6 +104,61 @@ export function RobotChecks({ api, node, propose }: Props) {
       </TimeAxis>
     </section>
   );
+}
+
+/** Where the robot was on a time that ends now. */
+function usePath(history: RobotHistoryAnswer, windowS: number): ReadonlySignal<Path> {
+  const path = useSignal<Path>([]);
+  useEffect(() => {
+    const known = history.path.map(([agoS, x, y]) => [windowS - agoS, x, y] as const);
+    path.value = known.filter(([timeS]) => timeS >= 0);
+  }, [history, windowS]);
+  return path;
+}
+
+const EVENT_COLUMNS = ["At", "What", "Was", "Became", "Because of"];
+
+/** What changed within the last hour, the newest first. */
+function Changes({ history }: { history: RobotHistoryAnswer }) {
+  return (
+    <section class="robot-history" aria-label="Last hour">
+      <h2>Last hour</h2>
+      <p class="quiet">{saidOf(history)}</p>
+      {history.events.length > 0 && (
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: the keyboard scrolls only what it can reach
+        <div class="table-scroll" tabIndex={0}>
+          <table aria-label="Changes of the last hour">
+            <ColumnHeads names={EVENT_COLUMNS} />
+            <tbody>
+              {history.events.map((event, index) => (
+                <EventRow key={history.events.length - index} event={event} />
+              ))}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </section>
+  );
+}
+
+function EventRow({ event: { s_ago, name, before, after, because } }: { event: RobotEvent }) {
+  return (
+    <tr>
+      <td>{clock(Date.now() - s_ago * 1000, "medium")}</td>
+      <th scope="row">{name}</th>
+      <td>{before}</td>
+      <td>{after}</td>
+      <td>{because}</td>
+    </tr>
+  );
+}
+
+function saidOf({ since_s_ago, events, left_out, pose_topic }: RobotHistoryAnswer): string {
+  const older = left_out > 0 ? `; ${left_out} older changes are left out.` : ".";
+  const changes = events.length === 0 ? ", nothing changed." : older;
+  const where =
+    pose_topic === null ? "No check of its rules reads where it is." : `Its place is what rules read of ${pose_topic}.`;
+  return `Heard for ${duration(since_s_ago)}${changes} ${where}`;
 }
 
 interface ValuesProps {
@@ -125,9 +207,20 @@ function titleOf(check: RobotCheck): string {
   return `${wordsOf(check)} (${check.rule})`;
 }
 
-/** A time that ends now, which is 0 on its charts. */
-function nowAtTheEnd(windowS: number): Timeline {
-  return new Timeline({ duration_s: windowS, bin_s: windowS, first_bin_s: 0, path: [] }, 1, windowS, []);
+type Path = readonly (readonly [timeS: number, x: number, y: number])[];
+const NONE: readonly number[] = [];
+
+/** A time that ends now, which is 0 on its charts; where the robot was in it becomes known as time goes on. */
+function nowAtTheEnd(windowS: number, path: ReadonlySignal<Path>): Timeline {
+  const course = {
+    duration_s: windowS,
+    bin_s: windowS,
+    first_bin_s: 0,
+    get path() {
+      return path.value;
+    },
+  };
+  return new Timeline(course, 1, windowS, []);
 }
 
 /** The hour and minute of so many seconds from now. */

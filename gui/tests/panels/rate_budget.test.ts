@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { afterEach, expect, test, vi } from "vitest";
-import { type Optimized, optimized } from "../../src/panels/optimize_panel";
+import { type Optimized, optimized } from "../../src/panels/rate_budget";
 import { openRules, refused } from "../state/served";
 
 afterEach(() => vi.unstubAllGlobals());
