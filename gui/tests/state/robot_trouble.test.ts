@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
 import type { LinkState, Project, RobotSummary, RulesInForce } from "../../src/api/types";
-import { duration, followersOf, inOrderOf, linkWords, rulesFor } from "../../src/state/robot_trouble";
+import { duration, followersOf, hourly, inOrderOf, linkWords, rulesFor } from "../../src/state/robot_trouble";
 
 const LINK: LinkState = {
   connected: true,
@@ -89,4 +89,11 @@ test("a rule file has those followers that run from a file of its name, and not 
     named("eve", { rules: { ...RULES, files: ["/x/dock.adirf"] } }),
   ];
   expect(followersOf("night/patrol.adirf", robots).map(({ label }) => label)).toEqual(["ada"]);
+});
+
+test("what a link takes an hour is known after ten seconds, of robots that count it", () => {
+  expect(hourly(1_000_000, 3600)).toBe("1");
+  expect(hourly(4_000_000, 600)).toBe("24");
+  expect(hourly(4_000_000, 9)).toBe("–");
+  expect(hourly(0, 600)).toBe("–");
 });
