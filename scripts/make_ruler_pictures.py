@@ -50,7 +50,7 @@ def overview(studio: Studio) -> None:
     open_rules(page, "quality/inspection.adirf")
     button(page, "Text").click()
     page.get_by_role("button", name=re.compile("^Findings")).click()
-    page.get_by_role("button", name=re.compile("KB/s$")).wait_for()
+    page.locator(".budget-bar").filter(has_text="KB/s").wait_for()
     studio.draw(page, "")
 
 
