@@ -86,8 +86,10 @@ export function TryPanel(props: Props) {
   );
 }
 
-function tryRecording({ editor: { api, rules }, tries }: Props, bag: string): Promise<void> {
+function tryRecording({ editor, tries }: Props, bag: string): Promise<void> {
+  const { api } = editor;
   return tries.work.start(async (run, signal) => {
+    const rules = await editor.settledRules();
     const { files } = await api.project();
     const answer = await api.ask("POST /api/try", { ...rules, bag, run }, { signal });
     tries.remember(bag, answer);
@@ -96,10 +98,12 @@ function tryRecording({ editor: { api, rules }, tries }: Props, bag: string): Pr
 }
 
 /** Results show as they come. */
-function tryFolder({ editor: { api, rules }, tries }: Props, folder: string): Promise<void> {
+function tryFolder({ editor, tries }: Props, folder: string): Promise<void> {
+  const { api } = editor;
   let share = (_ofOne: number, _number: number) => 0;
   return tries.folderWork.start(
     async (run, signal, setShare) => {
+      const rules = await editor.settledRules();
       const { files } = await api.project();
       signal.throwIfAborted();
       const trial = new FolderTrial(folder, rules, recordingsIn(folder, files));

@@ -219,6 +219,13 @@ export class RuleEditor extends OpenFile {
     }).catch(() => undefined);
   }
 
+  /** The rules once all that was asked for is done: the text that somebody just left is in the house style then. */
+  async settledRules(): Promise<Rules> {
+    await this.handOver?.(false);
+    await this.inTurn(async () => {});
+    return this.rules;
+  }
+
   async setText(text: string): Promise<void> {
     if (text !== this.text.value) await this.replace(text);
   }

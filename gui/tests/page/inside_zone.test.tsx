@@ -81,7 +81,7 @@ test("a zone is drawn anew on the map in the place of its numbers", async () => 
   expect(hint.color).not.toBe(hint.backgroundColor);
   await commands.press("Escape");
   await expect.element(ruler.button("Draw a rectangle")).toHaveAttribute("aria-pressed", "false");
-  await page.getByRole("tab", { name: "Text" }).click();
+  await ruler.openPane("Text");
   await (await zone(ruler, "Bay")).click();
   await option("Draw on the map").click();
   const map = await MapPage.open(ruler);
@@ -90,7 +90,7 @@ test("a zone is drawn anew on the map in the place of its numbers", async () => 
   await expect.element(ruler.button("Bay")).toHaveAttribute("aria-pressed", "true");
   await expect.poll(() => Math.abs(Number(map.sides()[0]) - 6)).toBeLessThan(0.3);
   const [left, right, low, high] = map.sides();
-  await page.getByRole("tab", { name: "Text" }).click();
+  await ruler.openPane("Text");
   await ruler.expectLines("pose_y < 6 // the wall", "speed < 0.5", `pose_y < ${high}`, `pose_y > ${low}`);
   await ruler.expectLines(`pose_x >= ${left}`, `pose_x < ${right}`);
 });

@@ -96,8 +96,8 @@ test("a zone is made and moved with the keyboard alone", async () => {
   await ruler.walk("Tab", "bay.adirf");
   await commands.press("Enter");
   await expect.element(ruler.button("New rule")).toBeEnabled();
-  await ruler.walk("Tab", "Text");
-  await commands.press("ArrowRight");
+  await ruler.walk("Tab", "Map");
+  await commands.press("Enter");
   await ruler.shown(page.getByRole("application", { name: "Zones on the map" }));
   await ruler.walk("Tab", "Draw a rectangle");
   await commands.press("Enter");
