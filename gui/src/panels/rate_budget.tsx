@@ -92,7 +92,10 @@ function followRates(editor: RuleEditor, rates: Signal<Optimized | null>, wantsA
     void editor.text.value;
     window.clearTimeout(timer);
     const can = canCompute(editor);
-    if (editor.profile.value === null || (can === false && !wantsAnyway())) rates.value = null;
+    const known = rates.peek();
+    // What was asked for anyway stays true of the same rules.
+    const isOld = known?.text !== editor.text.value || known.profile_text !== editor.profile.value?.text;
+    if (editor.profile.value === null || (can === false && !wantsAnyway())) rates.value = isOld ? null : known;
     else if (can || wantsAnyway())
       timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
   });

@@ -95,7 +95,7 @@ class RulerPage:
 
     def open_rates(self) -> None:
         """Open what each topic takes of the budget."""
-        self.page.get_by_role("button", name=re.compile("^Budget …|KB/s$")).click()
+        self.page.get_by_role("button", name=re.compile("^Budget …|KB.s$")).click()
         self.page.get_by_role("dialog", name="Rates within the budget").wait_for()
 
     def tool(self, name: str) -> Locator:

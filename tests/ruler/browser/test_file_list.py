@@ -52,7 +52,7 @@ def test_load_and_last_try_are_in_the_list_also_after_a_restart(
         row = ruler.page.get_by_role("region", name="Rules").get_by_role("listitem")
         expect(row).to_contain_text("worst case 12.5 of 20 KB/s")
         ruler.open("far.adirf")
-        ruler.page.get_by_role("tab", name="Try on a recording").click()
+        ruler.open_pane("Try on a recording")
         ruler.page.get_by_role("combobox", name="Recording").select_option("monday")
         with ruler.page.expect_response("**/api/file/tried"):
             ruler.button("Run the rules on it").click()
@@ -67,7 +67,7 @@ def test_load_and_last_try_are_in_the_list_also_after_a_restart(
 def test_incidents_of_a_robot_stay_in_their_folder(ruler: RulerPage) -> None:
     expect(ruler.page.get_by_text("near_miss")).to_have_count(0)
     ruler.open("far.adirf")
-    ruler.page.get_by_role("tab", name="Try on a recording").click()
+    ruler.open_pane("Try on a recording")
     choices = ruler.page.get_by_role("combobox", name="Recording").get_by_role("option")
     expect(choices.first).to_be_attached()
     assert choices.all_inner_texts()[:3] == [

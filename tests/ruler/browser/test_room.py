@@ -27,7 +27,6 @@ def test_the_map_has_the_whole_page(ruler: RulerPage) -> None:
     until(lambda: _width_px(map_pane) > WIDTH_PX - 20)
     ruler.page.get_by_role("button", name="Leave full screen: map").click()
     expect(ruler.blocks).to_be_visible()
-    ruler.page.get_by_role("button", name="Full screen: map").click()
     ruler.open_pane("Text")
     expect(ruler.blocks).to_be_visible()
 
