@@ -37,7 +37,7 @@ const PAGES: Record<Exclude<Route["page"], "home">, Later<PageProps>> = {
 };
 
 /** The pages that do something with a file that is dropped on them. */
-const TAKE_FILES: ReadonlySet<Route["page"]> = new Set(["home", "rules", "tour"]);
+const TAKE_FILES: ReadonlySet<Route["page"]> = new Set(["home", "tour"]);
 
 export function App({ api }: { api: Api }) {
   const [project, setProject] = useState<Project | null>(null);

@@ -16,8 +16,6 @@ from hypothesis import strategies as st
 
 from language.written_rules import WrittenFile, written_files
 from ruler.ruler_server import Page, served
-from smarttestudo.editing.document import meaning
-from smarttestudo.language.parser import parse
 
 NEW_RATE = {"kind": "set", "topic": "/new", "rate": {"kind": "hz", "value": 1}}
 
@@ -94,77 +92,3 @@ def test_an_edit_of_a_random_file_keeps_the_words_of_all_other_statements(
         rest = iter(after)
         # The one thing that an edit may add is an EndIf.
         assert all(any(word.startswith(words) for word in rest) for words in kept), edit
-
-
-@given(mine=written_files(max_statements=3), theirs=written_files(max_statements=3))
-@settings(max_examples=25)
-def test_an_import_brings_every_statement_and_leaves_mine(
-    project: Project, mine: WrittenFile, theirs: WrittenFile
-) -> None:
-    request = {"text": mine.text, "other_text": theirs.text}
-    coming = len(statements(project.document(theirs.text)))
-    own = [words_of(mine.text, one) for one in statements(project.document(mine.text))]
-    answer = project.page.post("/api/import", request).json
-    assert answer["document"]["parses"]
-    after = statements(answer["document"])
-    assert len(after) == len(own) + coming
-    words = [words_of(answer["text"], one) for one in after]
-    rest = iter(words)
-    assert all(any(word.startswith(one) for word in rest) for one in own)
-    preview = project.page.post("/api/import/preview", request).json
-    assert len(statements(preview["document"])) == coming
-
-
-@given(written=written_files(max_statements=4), data=st.data())
-@settings(max_examples=25)
-def test_what_is_exported_says_the_same_when_it_is_imported_into_an_empty_file(
-    project: Project, written: WrittenFile, data: st.DataObject
-) -> None:
-    names = [one["id"] for one in statements(project.document(written.text))]
-    if not names:
-        return
-    ids = data.draw(st.lists(st.sampled_from(names), min_size=1, unique=True))
-    answer = project.page.post("/api/export", {"text": written.text, "ids": ids})
-    if answer.status == 409:
-        assert answer.json["error"]["findings"]
-        return
-    exported = statements(project.document(answer.json["text"]))
-    assert len(exported) == len(ids)
-    again = project.page.post("/api/import", {"text": "begin\nend\n", "other_text": answer.json["text"]}).json
-    assert sorted(map(said, statements(again["document"]))) == sorted(map(said, exported))
-
-
-PLACE = frozenset({"comments", "id", "key", "offset", "end_offset", "line"})
-
-
-def said(statement: Any) -> str:
-    """What a statement means, without its place."""
-    match statement:
-        case {"kind": "rule"}:
-            parts = (condition_said(statement["condition"]), *map(said, statement["then"]))
-            return f"{statement['name']} {statement['priority']} {parts} {list(map(said, statement['else']))}"
-        case {"kind": "raw"}:
-            (raw,) = parse(f"begin\n{statement['text']}\nend", "raw.adirf").file.statements
-            return str(meaning(raw))
-        case {"kind": "keep"}:
-            return f"keep {statement['topic']} {statement['hz']}"
-        case {"kind": "within"}:
-            return f"within {statement['topic']} {statement['property']} {statement['bound']}"
-        case {"kind": "record"}:
-            durations = [statement["before"], statement["after"]]
-            return f"record {statement['name']} {statement['topics']} {durations}"
-        case _:
-            return str({key: value for key, value in statement.items() if key not in PLACE})
-
-
-def condition_said(condition: Any) -> str:
-    match condition:
-        case {"kind": "check"}:
-            words = [condition[key] for key in ("topic", "property", "op", "value", "until")]
-            return f"check {words}"
-        case {"kind": "timed"}:
-            return f"{condition['word']} {condition['duration']} {condition_said(condition['term'])}"
-        case {"kind": "not"}:
-            return f"not {condition_said(condition['term'])}"
-        case _:
-            return f"{condition['kind']} {list(map(condition_said, condition['terms']))}"

@@ -330,18 +330,6 @@ def test_nothing_with_errors_leaves(examples_page: Page) -> None:
     assert answer.json["error"]["findings"][0]["code"] == "expected-rate"
 
 
-def test_some_rules_are_exported_and_imported_with_their_comments(examples_page: Page) -> None:
-    exported = examples_page.post("/api/export", {"text": ZONE, "ids": ["s2"]}).json["text"]
-    assert exported.startswith('begin\n    // Loading bay\n    Rule "Bay"')
-    text = "begin\n    SetFrequency /imu 5\nend\n"
-    answer = examples_page.post("/api/import", {"text": text, "other_text": exported}).json
-    assert answer["text"].startswith('begin\n    SetFrequency /imu 5\n\n    // Loading bay\n    Rule "Bay"')
-    assert "// the gate" in answer["text"]
-    assert answer["document"]["parses"]
-    assert [one["kind"] for one in statements(answer["document"])] == ["set", "rule"]
-    assert examples_page.post("/api/export", {"text": ZONE, "ids": ["s9"]}).status == 422
-
-
 def test_edits_of_a_list_are_done_in_their_order_each_in_the_text_of_those_before(
     examples_page: Page,
 ) -> None:

@@ -17,10 +17,9 @@ from smarttestudo.editing import EditError
 from smarttestudo.editing.difference import differences, mean_the_same
 from smarttestudo.editing.document import condition_meaning, meaning
 from smarttestudo.language.parser import parse
-from smarttestudo.language.syntax import Block, DurationUnit, Operator, SetFrequency, TimeWord
+from smarttestudo.language.syntax import Block, DurationUnit, Operator, TimeWord
 from smarttestudo.ruler.rules.document import CheckedTexts, Draft, document
 from smarttestudo.ruler.rules.edits import EditRequest, Insert, Replace, edit
-from smarttestudo.ruler.rules.sharing import ExportRequest, export
 from smarttestudo.ruler.rules.statements import (
     Action,
     AndCondition,
@@ -366,13 +365,6 @@ def test_a_rate_in_a_rule_changes_alone() -> None:
     record, _, within = rule.then
     faster = replace(rule, then=(record, SetStatement(topic="/scan", rate=Hz(value=40)), within))
     assert edited(faster) == TEXT.replace("/scan 20", "/scan 40")
-
-
-def test_an_export_keeps_apart_what_stood_in_two_collections() -> None:
-    rule = "If CheckValue /scan distance < 1 Then SetFrequency /scan 9"
-    text = f"begin\n    {rule}\nend\nbegin\n    SetFrequency /odom 1\nend\n"
-    both = export(ExportRequest(text=text, name="rules.adirf", ids=("s1", "s2"))).text
-    assert [type(one) for one in parse(both, "a").file.statements] == [Block, SetFrequency]
 
 
 def test_topics_that_are_only_bounded_in_a_rule_are_known_to_the_page() -> None:

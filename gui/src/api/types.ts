@@ -423,17 +423,6 @@ export interface ErrorSize {
 /** Kind of a change; the value is its name in JSON. */
 export type EventKind = "rate" | "rule" | "rules";
 
-/**
- * A rule file that is to have the statements `ids` only.
- *
- * 409 with findings where these statements have errors.
- */
-export interface ExportRequest {
-  text: string;
-  ids: string[];
-  name?: string;
-}
-
 /** Relayed topics while there are no valid rules; the value is its name in JSON. */
 export type Fallback = "full" | "readable" | "off";
 
@@ -579,47 +568,6 @@ export interface Hello {
 export interface Hz {
   kind: "hz";
   value: number;
-}
-
-/**
- * A statement `id` that would come, and one that is there: the same, or one of the same name.
- *
- * `message` says so in a sentence about the one that is there.
- */
-export interface ImportConflict {
-  id: string;
-  is_same: boolean;
-  message: string;
-}
-
-/** The statements of the other file with what the checker says of it alone, and whom they meet here. */
-export interface ImportPreview {
-  document: RuleDocument;
-  conflicts: ImportConflict[];
-}
-
-/** A text, and another one that could bring statements. */
-export interface ImportPreviewRequest {
-  text: string;
-  other_text: string;
-  name?: string;
-  other_name?: string;
-}
-
-/**
- * Statements of `other_text` that come into `text`.
- *
- * `ids` are statements of `other_text`; null means all of them. Those of `replace_ids` go into the
- * place of the one of the same name, the others into the last collection.
- */
-export interface ImportRequest {
-  text: string;
-  name?: string;
-  profile_text?: string | null;
-  profile_name?: string;
-  other_text: string;
-  ids?: string[] | null;
-  replace_ids?: string[];
 }
 
 /**
@@ -2287,7 +2235,6 @@ export interface Routes {
   "PUT /api/draft": { asked: DraftRequest; answered: DraftAnswer };
   "GET /api/drafts": { asked: null; answered: DraftsAnswer };
   "POST /api/edit": { asked: EditRequest; answered: EditAnswer };
-  "POST /api/export": { asked: ExportRequest; answered: TextAnswer };
   "GET /api/file": { asked: null; answered: FileAnswer };
   "PUT /api/file": { asked: SaveRequest; answered: SaveAnswer };
   "POST /api/file/copy": { asked: CopyRequest; answered: Project };
@@ -2297,8 +2244,6 @@ export interface Routes {
   "GET /api/file/summary": { asked: null; answered: FileSummary };
   "PUT /api/file/tried": { asked: TriedRequest; answered: LastTry };
   "POST /api/format": { asked: Draft; answered: TextAnswer };
-  "POST /api/import": { asked: ImportRequest; answered: EditAnswer };
-  "POST /api/import/preview": { asked: ImportPreviewRequest; answered: ImportPreview };
   "POST /api/incident": { asked: OneIncidentRequest; answered: IncidentAnswer };
   "POST /api/incident/course": { asked: IncidentCourseRequest; answered: IncidentCourse };
   "POST /api/incident/delete": { asked: OneIncidentRequest; answered: IncidentsAnswer };

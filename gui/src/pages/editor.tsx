@@ -84,7 +84,7 @@ export function EditorPage({ project, name, robot: node, line, editors, keptInci
     <div class="editor" data-full={full.part.value} style={{ "--dock": `${dock}%`, "--blocks": `${blocks}%` }}>
       <div class="editor-top">
         <EditorBar
-          {...{ editor, project, ...robot }}
+          {...{ editor, ...robot }}
           onSend={() => openTool("robot")}
           onDownload={() => void editor.format().then(() => (wantsRates.value = true))}
         />

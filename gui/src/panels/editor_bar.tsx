@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { useSignal } from "@preact/signals";
-import type { Project } from "../api/types";
 import type { RobotRules, RulePush } from "../state/robot_rules";
 import type { RuleEditor } from "../state/rule_editor";
 import { ToolButton, UndoButtons } from "../ui/button";
 import { NeedsServer, useRobot } from "../ui/connection";
 import { FormDialog } from "../ui/dialog";
 import { Header, MenuItem } from "../ui/header";
-import { ShareDialogs, type Sharing } from "./sharing";
 import { VersionsPane } from "./versions_pane";
 
 const SEND = "Send to robot";
@@ -16,7 +14,6 @@ const DOWNLOAD = "Optimize and Download";
 
 interface Props {
   editor: RuleEditor;
-  project: Project;
   rulePush: RulePush;
   robotRules: RobotRules;
   onSend: () => void;
@@ -24,9 +21,8 @@ interface Props {
 }
 
 /** What can be done with the rules: keep them, go back, and send or download them; the rest is in the menu. */
-export function EditorBar({ editor, project, rulePush, robotRules, onSend, onDownload }: Props) {
+export function EditorBar({ editor, rulePush, robotRules, onSend, onDownload }: Props) {
   const { history } = editor;
-  const sharing = useSignal<Sharing>(null);
   const hasVersions = useSignal(false);
   const closeVersions = () => (hasVersions.value = false);
   const next = useNextStep(editor, robotRules);
@@ -38,8 +34,6 @@ export function EditorBar({ editor, project, rulePush, robotRules, onSend, onDow
   const menu = (
     <>
       <NeedsServer>
-        <MenuItem label="Import" icon="upload" act={() => (sharing.value = "import")} />
-        <MenuItem label="Export" icon="download" act={() => (sharing.value = "export")} />
         <MenuItem label="Versions" icon="versions" act={() => (hasVersions.value = true)} />
       </NeedsServer>
       <hr />
@@ -79,7 +73,6 @@ export function EditorBar({ editor, project, rulePush, robotRules, onSend, onDow
           </NeedsServer>
         </div>
       </Header>
-      <ShareDialogs {...{ editor, project, sharing }} />
       {hasVersions.value && (
         <FormDialog title="Versions" submit="Close" isNotice isWide onSubmit={closeVersions} onClose={closeVersions}>
           <VersionsPane editor={editor} />

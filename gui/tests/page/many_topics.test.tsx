@@ -32,11 +32,6 @@ const PAGES: Record<string, (ruler: RulerPage) => Promise<void>> = {
     await page.getByRole("combobox", { name: "Find a rule" }).fill("image");
     await expect.element(page.getByRole("option").first()).toBeVisible();
   },
-  async export(ruler) {
-    await openRules(ruler);
-    await ruler.use("Export");
-    await expect.element(page.getByRole("dialog")).toBeVisible();
-  },
 };
 
 test.each(Object.keys(PAGES))("sixty topics stay on the screen: %s", async (name) => {

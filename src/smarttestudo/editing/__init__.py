@@ -12,7 +12,6 @@ from smarttestudo.editing.edits import (
     inserted_all,
     moved,
     replaced,
-    replaced_all,
     takes_in,
 )
 from smarttestudo.editing.text_edit import LineIndex, TextEdit, apply, comment_texts
@@ -35,6 +34,5 @@ __all__ = [
     "moved",
     "read_document",
     "replaced",
-    "replaced_all",
     "takes_in",
 ]

@@ -8,7 +8,7 @@ The one thing that an edit may add elsewhere is an ``EndIf``, where a block woul
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import count
 
@@ -49,16 +49,6 @@ class NewStatement:
 
 def replaced(document: Document, name: str, new: NewStatement) -> str:
     """The text with ``new`` in the place of statement ``name``; what is the same in both keeps its bytes."""
-    return replaced_all(document, {name: new})
-
-
-def replaced_all(document: Document, news: Mapping[str, NewStatement]) -> str:
-    """``replaced`` for several statements, by name; each is as closed or open as what it replaces."""
-    text_edits = [text_edit for name, new in news.items() for text_edit in _replacement(document, name, new)]
-    return apply(document.text, text_edits)
-
-
-def _replacement(document: Document, name: str, new: NewStatement) -> list[TextEdit]:
     entry = _entry(document, name)
     _require_sayable(new)
     part = document.part_of(entry)
@@ -69,7 +59,7 @@ def _replacement(document: Document, name: str, new: NewStatement) -> list[TextE
         text_edits.append(_comments_above(entry.token_range, new.comments, line_end))
     if text_edits and at > 0 and takes_in(part.entries[at - 1], new.content):
         text_edits.append(_end_if(part.entries[at - 1], line_end))
-    return text_edits
+    return apply(document.text, text_edits)
 
 
 def inserted(document: Document, part_name: str, index: int, new: NewStatement) -> str:

@@ -53,7 +53,7 @@ def at_new_project(ruler: RulerPage) -> None:
 
 def at_menu(ruler: RulerPage) -> None:
     at_rules(ruler)
-    ruler.tool("Export").wait_for()
+    ruler.tool("Versions").wait_for()
 
 
 def at_rules(ruler: RulerPage) -> None:
@@ -146,20 +146,6 @@ def at_deleting(ruler: RulerPage) -> None:
     ruler.page.get_by_role("dialog").wait_for()
 
 
-def at_export(ruler: RulerPage) -> None:
-    at_rules(ruler)
-    ruler.tool("Export").click()
-    ruler.page.get_by_role("dialog", name="Export rules").wait_for()
-
-
-def at_import(ruler: RulerPage) -> None:
-    at_rules(ruler)
-    ruler.tool("Import").click()
-    dialog = ruler.page.get_by_role("dialog")
-    dialog.get_by_role("combobox").first.select_option("warehouse.adirf")
-    dialog.get_by_role("checkbox").first.wait_for()
-
-
 def at_conflict(ruler: RulerPage) -> None:
     at_rules(ruler)
     ruler.button("New rate").click()
@@ -242,8 +228,6 @@ STATES: tuple[Callable[[RulerPage], None], ...] = (
     at_incidents,
     at_incident,
     at_deleting,
-    at_export,
-    at_import,
     at_conflict,
     at_parameters,
     at_levels,

@@ -17,12 +17,12 @@ def test_the_menu_is_used_with_the_keyboard(ruler: RulerPage) -> None:
     menu.focus()
     keyboard.press("Enter")
     for key, entry in (
-        ("", "Import"),
+        ("", "Versions"),
         ("ArrowUp", "Keys"),
-        ("ArrowDown", "Import"),
+        ("ArrowDown", "Versions"),
         ("End", "Keys"),
-        ("Home", "Import"),
-        ("e", "Export"),
+        ("Home", "Versions"),
+        ("k", "Keys"),
     ):
         if key:
             keyboard.press(key)

@@ -78,7 +78,7 @@ def test_a_page_without_its_server_says_so_and_what_still_works(page: RulerPage,
     until(lambda: _is_grey(page) == [True])
     for name in ("New rate", "New rule"):
         expect(page.button(name)).to_be_disabled()
-    for name in ("Save", "Import", "Send to robot", "Optimize and Download"):
+    for name in ("Save", "Versions", "Send to robot", "Optimize and Download"):
         expect(page.tool(name)).to_be_disabled()
     expect(page.button("remove the overridden default")).to_be_disabled()
     reason = "This needs the Ruler's server, which does not answer now"

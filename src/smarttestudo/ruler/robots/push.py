@@ -6,12 +6,15 @@ from __future__ import annotations
 
 from msgspec import Struct
 
+from smarttestudo.domain.errors import RuleFileError
+from smarttestudo.optimizer.model import Model
 from smarttestudo.robot import rule_push
 from smarttestudo.robot.rule_push import ConfirmAnswer, LastingAnswer, PushAnswer, PushPreview, WriteAnswer
 from smarttestudo.ruler.job import job
 from smarttestudo.ruler.robots.link import RobotLink, RobotRequest
-from smarttestudo.ruler.rules.document import Draft
-from smarttestudo.ruler.rules.sharing import download_text
+from smarttestudo.ruler.rules.document import Draft, require_usable
+from smarttestudo.ruler.rules.optimize import optimize_draft
+from smarttestudo.rules.rule_sets import has_tiers
 
 
 class PushRequest(Draft, frozen=True, kw_only=True):
@@ -38,7 +41,21 @@ def preview(request: PushRequest, robots: RobotLink) -> PushPreview:
     ``RosError`` if the robot does not report its rules.
     """
     robots.require_known(request.node)
-    return rule_push.preview(robots, request.node, download_text(request), request.name)
+    return rule_push.preview(robots, request.node, _with_rates(request), request.name)
+
+
+def _with_rates(draft: Draft) -> str:
+    """The rule file as a robot takes it: levels as numbers, everything else as it is."""
+    checked = require_usable(draft)
+    if not has_tiers([checked.document.result.file]):
+        return draft.text
+    outcome = optimize_draft(draft, Model.QUPER, only_named=False).outcome
+    if outcome.rewritten is None:
+        first = outcome.infeasible[0]
+        raise RuleFileError(
+            first.message, place=first.solved.subproblem.place, remedy="; ".join(first.remedies) or None
+        )
+    return outcome.rewritten
 
 
 @job("POST /api/push")

@@ -102,22 +102,7 @@ class CheckedTexts:
 
 def require_usable(draft: Draft) -> CheckedText:
     """``check_text``, but ``RefusedTextError`` for rules with errors."""
-    return _without_errors(check_text(draft))
-
-
-def check_sound(text: str, name: str) -> CheckedText:
-    """Read and check rules that meet their profile elsewhere, so that levels need no rate here."""
-    document = read_document(text, name)
-    findings = check_rules([document.result], CheckContext(profile=Profile()))
-    return CheckedText(document=document, findings=tuple(findings))
-
-
-def require_sound(text: str, name: str) -> CheckedText:
-    """``check_sound``, but ``RefusedTextError`` for rules with errors."""
-    return _without_errors(check_sound(text, name))
-
-
-def _without_errors(checked: CheckedText) -> CheckedText:
+    checked = check_text(draft)
     if checked.has_errors:
         raise RefusedTextError(checked)
     return checked
