@@ -69,6 +69,8 @@ def measure(page: Page, url: str, turns: int) -> None:
     """Type in an open file, and take it back, and print what it took."""
     page.goto(url)
     page.get_by_role("button", name="Edit rate").first.wait_for(timeout=OPENED_WITHIN_MS)
+    for pane in ("Text", "Findings"):
+        page.get_by_role("group", name="Unfold").get_by_role("button", name=pane).click()
     page.get_by_role("textbox", name="Rules as text").click()
     for key in ("Control+Home", "ArrowDown", "End"):
         page.keyboard.press(key)
