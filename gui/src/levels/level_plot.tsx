@@ -140,14 +140,18 @@ function LevelLines(props: {
   );
 }
 
-/** What each level covers: rates up to its line, from that of the level below; errors down to it. */
+/**
+ * What each level covers: rates up to its line, from that of the level below; errors down to it. The last one begins at
+ * its line.
+ */
 function LevelBands({ kind, levels, axis }: { kind: LevelKind; levels: readonly number[]; axis: LevelAxis }) {
   return TIERS.map((tier, index) => {
     const at = (value: number | undefined, end: number) => (value === undefined ? end : shareOf(axis, value));
-    const [from, to] = kind.falls
-      ? [at(levels[index], 0), at(levels[index - 1], 1)]
-      : [at(levels[index - 1], 0), at(levels[index], 1)];
-    const text = `${tier}, ${kind.falls ? "down" : "up"} to ${readable(levels[index] ?? 0)} ${kind.unit}`;
+    const isLast = index === TIERS.length - 1;
+    const [below, above] = isLast ? [levels[index], undefined] : [levels[index - 1], levels[index]];
+    const [from, to] = kind.falls ? [at(above, 0), at(below, 1)] : [at(below, 0), at(above, 1)];
+    const until = isLast ? "from" : kind.falls ? "down to" : "up to";
+    const text = `${tier}, ${until} ${readable(levels[index] ?? 0)} ${kind.unit}`;
     return (
       <div
         key={tier}

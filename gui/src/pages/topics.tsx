@@ -306,9 +306,9 @@ function TableHead() {
       <tr>
         <th scope="col">Topic</th>
         <th scope="col">Message size (KB)</th>
-        {TIERS.map((tier) => (
+        {TIERS.map((tier, index) => (
           <th key={tier} scope="col">
-            {tier}, up to (Hz)
+            {tier}, {index < TIERS.length - 1 ? "up to" : "from"} (Hz)
           </th>
         ))}
         <th scope="col">Priority</th>
