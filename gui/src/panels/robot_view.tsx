@@ -48,15 +48,14 @@ function cellsOf(topic: TopicStatus, health: HealthWords | undefined, bounds: re
 }
 
 const RATE_COLUMNS = ["Topic", "Source (Hz)", "Target (Hz)", "Actual (Hz)", "Actual, last 48 s", "Sent (KB/s)"];
-const LINK_COLUMNS = ["Age (ms)", "Replaced", "Repaired", "Lost", "Queue (KB)", "MB/h"];
+const LINK_COLUMNS = ["Age (ms)", "Replaced, lost, repaired", "Queue (KB)", "MB/h"];
 
 /** What the row of a topic says in the columns of a link, on which it was for so long. */
 function linkCellsOf({ link }: TopicStatus, uptimeS: number): string {
   if (link === undefined) return LINK_COLUMNS.map(() => "–").join("\n");
   const age = link.age_ms === null ? "–" : String(Math.round(link.age_ms));
-  const lost = link.lost_replaced + link.lost_late;
-  const counts = [link.replaced, link.repaired, lost, link.queued_bytes / 1000].map(readable);
-  return [age, ...counts, hourly(link.sent_bytes, uptimeS)].join("\n");
+  const counts = [link.replaced, link.lost_replaced + link.lost_late, link.repaired].map(readable);
+  return [age, counts.join(", "), readable(link.queued_bytes / 1000), hourly(link.sent_bytes, uptimeS)].join("\n");
 }
 
 const LOOKS: Record<HealthLevel, string> = { ok: "silent", stale: "silent", warn: "trouble", error: "failing" };

@@ -297,7 +297,7 @@ def test_the_keyboard_opens_a_robot_beside_its_rules_with_the_link_of_each_topic
     expect(page.pane("Robot")).to_have_attribute("aria-expanded", "true")
     topics = page.page.get_by_role("table", name="Topics of the robot")
     expect(topics.get_by_role("row", name="/scan")).to_contain_text(
-        re.compile(r"16\.0\s*312\s*20\s*1\.2.*relayed")
+        re.compile(r"16\.0\s*312\s*20, 0, 0\s*1\.2\s*–.*relayed")
     )
     expect(page.page.get_by_text("232 KB/s, round trip 24 ms, 2 outages")).to_be_visible()
     assert page.page.url.endswith("#/rules/patrol.adirf?robot=%2Fr01%2Fsmarttestudo")
