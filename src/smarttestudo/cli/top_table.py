@@ -219,7 +219,7 @@ def _columns(status: RuntimeStatus, *, is_wide: bool) -> Iterator[Column[tuple[s
 
 
 def _link_columns(status: RuntimeStatus) -> Iterator[Column[tuple[str, TopicStatus]]]:
-    """What each topic takes of the link, and what became of what the radio lost."""
+    """Columns of what each topic takes of the link, and of what the radio lost."""
 
     def counts(row: tuple[str, TopicStatus]) -> StreamCounts:
         return StreamCounts() if row[1].on_link is None else row[1].on_link.counts
