@@ -41,10 +41,8 @@ export function RateBudget({ editor, project, repair, wantsRates }: Props) {
   const close = () => (opened.value = "closed");
   useEffect(() => followRates(editor, rates, () => wantsRates.value || opened.value !== "closed"), []);
   const result = rates.value;
-  const [text, profile] = [editor.text.value, editor.profile.value];
-  const isAnswered =
-    editor.profileChoice.isKnown.value &&
-    (profile === null || (result?.text === text && result.profile_text === profile.text));
+  const profile = editor.profile.value;
+  const isAnswered = editor.profileChoice.isKnown.value && (profile === null || isOfNow(result, editor));
   const known = isAnswered && result !== null && "download_text" in result ? result.download_text : null;
   useEffect(() => {
     if (!wantsRates.value || !isAnswered) return;
@@ -94,8 +92,8 @@ function followRates(editor: RuleEditor, rates: Signal<Optimized | null>, wantsA
     const can = canCompute(editor);
     const known = rates.peek();
     // What was asked for anyway stays true of the same rules.
-    const isOld = known?.text !== editor.text.value || known.profile_text !== editor.profile.value?.text;
-    if (editor.profile.value === null || (can === false && !wantsAnyway())) rates.value = isOld ? null : known;
+    if (editor.profile.value === null || (can === false && !wantsAnyway()))
+      rates.value = isOfNow(known, editor) ? known : null;
     else if (can || wantsAnyway())
       timer = window.setTimeout(() => void optimized(editor, (answer) => (rates.value = answer)), AFTER_MS);
   });
@@ -103,6 +101,11 @@ function followRates(editor: RuleEditor, rates: Signal<Optimized | null>, wantsA
     stop();
     window.clearTimeout(timer);
   };
+}
+
+/** Whether an answer is of the rules and the profile that are here. */
+function isOfNow(answer: Optimized | null, { text, profile }: RuleEditor): boolean {
+  return answer?.text === text.value && answer.profile_text === profile.value?.text;
 }
 
 /** Whether the rules have no errors, and their profile all that rates need; null while nobody knows. */

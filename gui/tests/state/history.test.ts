@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The SmartTestudo authors
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from "vitest";
-import { History } from "../../src/state/open_file";
+import { History } from "../../src/state/history";
 
 test("undo goes back change by change, and redo forward again", () => {
   const history = new History();

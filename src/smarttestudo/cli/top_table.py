@@ -209,8 +209,8 @@ def _columns(status: RuntimeStatus, *, is_wide: bool) -> Iterator[Column[tuple[s
     yield Column("Out", "KB/s", lambda row: row[1].out_kb_per_s, decimals(1))
     if status.link is not None:
         yield Column("Age", "ms", lambda row: row[1].on_link.age_ms if row[1].on_link else None, WHOLE)
-    if status.link is not None and is_wide:
-        yield from _link_columns(status)
+        if is_wide:
+            yield from _link_columns(status)
     if is_wide:
         yield Column("Rule", "", lambda row: _rule(row[1]), is_text=True)
         yield Column("State", "", lambda row: _state(row[1]), is_text=True)

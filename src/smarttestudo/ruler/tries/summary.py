@@ -23,7 +23,7 @@ from smarttestudo.ruler.rules.optimize import SituationKind, optimize_draft, sit
 from smarttestudo.ruler.topics.profiles import ProfileForRequest, choice
 
 TRIES_FOLDER = ".testudo/tries"
-_MAX_BYTES = 200_000
+_MAX_CHARACTERS = 200_000
 """What is larger takes longer than anybody looks at a list."""
 _TEXTS_KEPT = 256
 _MAX_NAME_CHARACTERS = 1000
@@ -122,7 +122,7 @@ def summary(
     with suppress(TestudoError):
         text = folder.read(name).text
         profile = choice(ProfileForRequest(text=text, name=name), folder, settings).name
-        if profile is not None and len(text) <= _MAX_BYTES:
+        if profile is not None and len(text) <= _MAX_CHARACTERS:
             profile_text = folder.read(profile).text
             load = loads.load(Draft(text=text, name=name, profile_text=profile_text, profile_name=profile))
     return FileSummary(load=load, last_try=last_try)
